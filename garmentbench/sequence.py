@@ -1,0 +1,123 @@
+"""A sequence: one simulated or imported recording of a garment on a moving body (or other collider).
+
+What it holds is written here; how it lies in a file is `sequence_file`'s matter.
+"""
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+HUMAN, OBJECT = "human", "object"
+
+
+@dataclass(frozen=True)
+class Garment:
+    """A garment's template.
+
+    Attributes:
+        name: Name, e.g. "tshirt".
+        rest: Rest positions [m], shape (V, 3), float32. Vertices are split at UV seams.
+        faces: Triangles, shape (F, 3), int32.
+        uv: UV coordinates in [0, 1], shape (V, 2), float32.
+        seams: Pairs of vertices that are the same point of cloth, shape (S, 2), int32.
+        pins: Vertices held fast to the collider (empty for a worn garment), shape (P,), int32.
+    """
+
+    name: str
+    rest: np.ndarray
+    faces: np.ndarray
+    uv: np.ndarray
+    seams: np.ndarray
+    pins: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int32))
+
+
+@dataclass(frozen=True)
+class Body:
+    """The template of what the garment is worn by or touches: a human body, or a rigid object such as a stick.
+
+    Attributes:
+        name: Name, e.g. "base" or "stick".
+        rest: Rest (canonical pose) positions [m], shape (B, 3), float32.
+        faces: Triangles, shape (K, 3), int32, outward orientation.
+        labels: Body part of each vertex, shape (B,), int8, index into `part_names`; None where there are no parts.
+        part_names: Names of the parts, e.g. ("upper_body", "fore_arm", "rear_arm", "thigh", "calf").
+        kind: "human" or "object".
+    """
+
+    name: str
+    rest: np.ndarray
+    faces: np.ndarray
+    labels: np.ndarray | None = None
+    part_names: tuple[str, ...] = ()
+    kind: str = HUMAN
+
+
+@dataclass(frozen=True)
+class Needs:
+    """What a scene needs; nothing else is built, computed, stored or reported for it.
+
+    Attributes:
+        body: There is a human body: interpenetration and its SDF mean something.
+        interaction_force: There is something to touch.
+        part_radii: The body has named parts, so that a kernel radius per part can be learnt (else one radius).
+        collision_stage: There is a closed human body to be pushed out of.
+        pins: Some vertices are held by the collider.
+    """
+
+    body: bool
+    interaction_force: bool
+    part_radii: bool
+    collision_stage: bool
+    pins: bool
+
+
+@dataclass(frozen=True)
+class Template:
+    """All of a sequence that does not change over time; what a method may know before the first frame."""
+
+    garment: Garment
+    body: Body | None
+    fps: float
+
+    @cached_property
+    def needs(self) -> Needs:
+        human = self.body is not None and self.body.kind == HUMAN
+        return Needs(
+            body=human,
+            interaction_force=self.body is not None,
+            part_radii=human and self.body.labels is not None,
+            collision_stage=human,
+            pins=len(self.garment.pins) > 0,
+        )
+
+
+@dataclass(frozen=True)
+class Sequence:
+    """A recording. Positions are in metres, world axes (z up), float32.
+
+    Attributes:
+        template: What does not change.
+        garment: Garment positions [m], shape (T, V, 3).
+        body: Body positions [m], shape (T, B, 3); None where there is no body.
+        info: Names and provenance, plain JSON values: scene, split, motion, preset, and where simulated `simulation`
+            (settings, substeps, strain, ms_per_frame), `uncertainty` {"doubling_cm", "perturbed_cm", "cm", "frames"},
+            `interpenetration` {"vertex_percent", "strict_percent"} (absent without a human body).
+    """
+
+    template: Template
+    garment: np.ndarray
+    body: np.ndarray | None
+    info: dict = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        return len(self.garment)
+
+    def frames(self, start: int, stop: int) -> "Sequence":
+        """The same recording, frames start to stop only."""
+        return replace(self, garment=self.garment[start:stop], body=None if self.body is None else self.body[start:stop])
+
+    @property
+    def uncertainty_cm(self) -> float | None:
+        """The reference's own uncertainty [cm], or None where it is not known."""
+        return self.info.get("uncertainty", {}).get("cm")
