@@ -1,0 +1,37 @@
+# `make evals` and `make test` set everything up by themselves on a machine with Python 3.11 or newer.
+PRESET ?= laptop
+SEEDS ?= 1
+PYTHON ?= $(firstword $(foreach p,python3 python3.14 python3.13 python3.12 python3.11,$(shell $(p) -c 'import sys; sys.version_info >= (3, 11) and print("$(p)")' 2>/dev/null)))
+BIN := .venv/bin
+RUN := $(BIN)/garmentbench
+
+.PHONY: evals test report data clean
+evals: $(BIN)/.installed
+	$(RUN) evals --preset $(PRESET) --seeds $(SEEDS)
+
+test: $(BIN)/.installed-test
+	$(BIN)/python -m pytest
+
+report: $(BIN)/.installed
+	$(RUN) report --preset $(PRESET)
+
+data: $(BIN)/.installed
+	$(RUN) evals --preset $(PRESET) --data-only
+
+# One ablation and the full model beside it, on the same experiment: make ablation-fixed-weights, -no-virtual-sample,
+# -no-collision, -train-length.
+ablation-%: $(BIN)/.installed
+	$(RUN) evals ablation-$* --preset $(PRESET) --seeds $(SEEDS)
+
+$(BIN)/.installed: pyproject.toml constraints.txt
+	@test -n "$(PYTHON)" || { echo "garmentbench needs Python 3.11 or newer; none found (set PYTHON=/path/to/python3.11)"; exit 2; }
+	$(PYTHON) -m venv .venv
+	$(BIN)/pip install -q -c constraints.txt -e .
+	touch $@
+
+$(BIN)/.installed-test: $(BIN)/.installed
+	$(BIN)/pip install -q -c constraints.txt -e '.[test]'
+	touch $@
+
+clean:
+	rm -rf runs datasets/generated

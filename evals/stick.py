@@ -1,0 +1,11 @@
+"""The paper's sheet of cloth wrapped round a moving stick (figures 9 and 10): no human body, another motion in test."""
+
+from evals.experiment import FULL, SIMPLE, Entry, Experiment
+
+STICK = Experiment(
+    name="stick",
+    table="stick",
+    train="sheet-stick-a",
+    tests=("sheet-stick-b",),
+    entries=(*SIMPLE, FULL, Entry("motion_guided", "no_virtual_sample")),
+)
