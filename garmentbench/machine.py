@@ -1,0 +1,62 @@
+"""What a result was made on: processor, memory, system, package versions, and how much memory the process took."""
+
+import os
+import platform
+import resource
+import subprocess
+import sys
+from importlib import metadata
+from pathlib import Path
+
+import garmentbench
+from garmentbench.paths import ROOT
+
+PACKAGES = ("torch", "numpy", "scipy", "warp-lang", "h5py", "rerun-sdk")
+
+
+def machine() -> dict:
+    """The machine: processor, cores this process may use, memory [GB], system, CUDA device where torch is using one."""
+    pages = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    torch = sys.modules.get("torch")
+    cuda = torch is not None and torch.cuda.is_initialized()
+    return {
+        "cpu": _cpu(),
+        "cores": cores,
+        "memory_gb": round(pages / 2**30, 1),
+        "system": f"{platform.system()} {platform.release()}",
+        "threads": torch.get_num_threads() if torch is not None else None,
+        "cuda": torch.cuda.get_device_name() if cuda else None,
+    }
+
+
+def _cpu() -> str:
+    """The processor's name; Linux tells it only here."""
+    info = Path("/proc/cpuinfo")
+    names = [line.split(":", 1)[1].strip() for line in info.read_text().splitlines() if line.startswith("model name")] \
+        if info.is_file() else []
+    return names[0] if names else platform.processor() or platform.machine()
+
+
+def packages() -> dict[str, str]:
+    """Versions of Python and of the packages that numbers depend on."""
+    return {"python": platform.python_version()} | {name: metadata.version(name) for name in PACKAGES}
+
+
+def code_version() -> str:
+    """garmentbench's version, with the commit where it runs from a checkout ("0.1.0+d359df5", "-dirty" if edited)."""
+    git = ["git", "-C", str(ROOT), "describe", "--always", "--dirty", "--exclude=*"]
+    try:
+        commit = subprocess.run(git, capture_output=True, text=True, check=True, timeout=10).stdout.strip()
+    except (OSError, subprocess.SubprocessError):  # no git, or no checkout: the version says it all
+        return garmentbench.__version__
+    return f"{garmentbench.__version__}+{commit}"
+
+
+def peak_memory_mb() -> float:
+    """The most memory this process has held so far [MB]."""
+    status = Path("/proc/self/status")
+    if status.is_file():  # getrusage counts the parent's memory in a process that was just started
+        line = next(line for line in status.read_text().splitlines() if line.startswith("VmHWM"))
+        return round(int(line.split()[1]) / 1024, 1)
+    return round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20, 1)
