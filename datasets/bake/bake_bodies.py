@@ -1,0 +1,171 @@
+"""Bake the bodies from Anny (Apache-2.0 code, CC0 data from MakeHuman) into datasets/bodies/{shape}-{size}.npz.
+
+Only needed to remake the assets: `pip install -e .[bake]`, then `python datasets/bake/bake_bodies.py`. The first run
+takes one to three minutes, in which Anny builds its 0.7 GB cache. The same packages give the same bytes.
+"""
+
+from pathlib import Path
+
+import anny
+import gpytoolbox
+import numpy as np
+import torch
+import trimesh
+
+OUT = Path(__file__).resolve().parents[1] / "bodies"
+SMALL_FACES = 7_000  # 3,502 vertices at genus 0
+ZOOM = {"hand": 2.2, "foot": 1.3, "toes": 1.3, "head": 1.2}
+# Age 0.667 is Anny's young adult (0.5 is a child's).
+SHAPES = {
+    "base": {"gender": 0.5, "age": 0.667, "muscle": 0.5, "weight": 0.5, "height": 0.5, "proportions": 0.5},
+    "slim": {"gender": 0.5, "age": 0.667, "muscle": 0.4, "weight": 0.15, "height": 0.5, "proportions": 0.5},
+    "heavy": {"gender": 0.5, "age": 0.667, "muscle": 0.5, "weight": 0.9, "height": 0.5, "proportions": 0.5},
+}
+# Our joint -> (parent, the Anny bones it takes over; the first one's head is the joint). "*" stands for L and R.
+SKELETON = {
+    "pelvis": (None, ["root", "pelvis.L", "pelvis.R"]),
+    "spine": ("pelvis", ["spine05", "spine04"]),
+    "waist": ("spine", ["spine03", "spine02"]),
+    "chest": ("waist", ["spine01"]),
+    "neck": ("chest", ["neck01", "neck02", "neck03"]),
+    "head": ("neck", ["head", "eye.L", "eye.R"]),
+    "clavicle.*": ("chest", ["clavicle.*", "shoulder01.*"]),
+    "upper_arm.*": ("clavicle.*", ["upperarm01.*", "upperarm02.*"]),
+    "fore_arm.*": ("upper_arm.*", ["lowerarm01.*", "lowerarm02.*"]),
+    "hand.*": ("fore_arm.*", ["wrist.*", "finger", "metacarpal"]),
+    "thigh.*": ("pelvis", ["upperleg01.*", "upperleg02.*"]),
+    "calf.*": ("thigh.*", ["lowerleg01.*", "lowerleg02.*"]),
+    "foot.*": ("calf.*", ["foot.*"]),
+    "toes.*": ("foot.*", ["toe3-1.*", "toe"]),
+}
+PART_NAMES = ("upper_body", "fore_arm", "rear_arm", "thigh", "calf")
+PART_OF = {"upper_arm": 2, "fore_arm": 1, "hand": 1, "thigh": 3, "calf": 4, "foot": 4, "toes": 4}
+PROVENANCE = {
+    "licence": "CC0-1.0",
+    "provenance": "Anny 0.6.2 (NAVER), rig 'anny', topology 'anny', data of the MakeHuman project (CC0); "
+    "made by datasets/bake/bake_bodies.py",
+}
+
+
+def skeleton(bones: list[str]) -> tuple[list[str], list[int], list[int], np.ndarray]:
+    """Our joints' names, parents, the bone whose head each is, and the joint of every Anny bone."""
+    names, parents, heads = [], [], []
+    joint_of_bone = np.full(len(bones), -1)
+    for pattern, (parent, taken) in SKELETON.items():
+        for side in ("L", "R") if "*" in pattern else ("",):
+            wanted = [bone.replace("*", side) for bone in taken]
+            for i, bone in enumerate(bones):
+                by_prefix = bone.endswith(side) and bone.startswith(tuple(w for w in wanted if "." not in w and side))
+                if bone in wanted or by_prefix:
+                    joint_of_bone[i] = len(names)
+            heads.append(bones.index(wanted[0]))
+            parents.append(-1 if parent is None else names.index(parent.replace("*", side)))
+            names.append(pattern.replace("*", side))
+    assert (joint_of_bone >= 0).all(), [b for b, j in zip(bones, joint_of_bone) if j < 0]
+    return names, parents, heads, joint_of_bone
+
+
+def joint_weights(model: anny.Anny, joint_of_bone: np.ndarray, joints: int) -> np.ndarray:
+    """Blend weights of our joints, shape (vertices, joints): sums over the bones that each took over."""
+    bone_weights = model.vertex_bone_weights.numpy()
+    owner = joint_of_bone[model.vertex_bone_indices.numpy()]
+    weights = np.zeros((len(bone_weights), joints))
+    np.add.at(weights, (np.arange(len(weights))[:, None], owner), bone_weights)
+    return weights / weights.sum(axis=1, keepdims=True)
+
+
+def part_labels(weights: np.ndarray, names: list[str]) -> np.ndarray:
+    """The part of the strongest joint; head, neck and torso are upper body."""
+    part_of_joint = np.array([PART_OF.get(name.split(".")[0], 0) for name in names], np.int8)
+    return part_of_joint[weights.argmax(axis=1)]
+
+
+def vertex_uv(model: anny.Anny) -> np.ndarray:
+    """One UV a vertex, shape (vertices, 2): at a seam, that of the first face that uses the vertex."""
+    uv = np.zeros((len(model.template_vertices), 2))
+    faces, corners = model.faces.numpy(), model.face_texture_coordinate_indices.numpy()
+    uv[faces.ravel()[::-1]] = model.texture_coordinates.numpy()[corners.ravel()[::-1]]
+    return uv
+
+
+def largest_component(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Kept vertices and renumbered faces: the skin without eyes and tongue."""
+    groups = trimesh.graph.connected_components(trimesh.graph.faces_to_edges(faces))
+    kept = np.sort(max(groups, key=len))
+    number = np.full(faces.max() + 1, -1)
+    number[kept] = np.arange(len(kept))
+    return kept, number[faces[np.isin(faces[:, 0], kept)]]
+
+
+def rest_shape(model: anny.Anny, phenotype: dict, kept: np.ndarray, heads: list[int]) -> tuple[np.ndarray, np.ndarray]:
+    """Rest vertices and joints [m], feet on z = 0, the pelvis at x = y = 0."""
+    with torch.no_grad():
+        shape = model.forward(phenotype_kwargs={k: torch.tensor([v]) for k, v in phenotype.items()})
+    vertices = shape["rest_vertices"][0].double().numpy()[kept]
+    joints = shape["rest_bone_heads"][0].double().numpy()[heads]
+    origin = np.array([joints[0, 0], joints[0, 1], vertices[:, 2].min()])
+    return vertices - origin, joints - origin
+
+
+def decimate(vertices: np.ndarray, faces: np.ndarray, weights: np.ndarray, joints: np.ndarray, names: list[str]
+             ) -> tuple[np.ndarray, np.ndarray]:
+    """Small faces, and each small vertex as a blend of full vertices, shape (small, full).
+
+    The base shape's shortest edges are collapsed (libigl keeps it a manifold). That leaves even triangles of 25 mm where
+    garments touch; quadric errors left edges of 150 mm on the thighs, too coarse for a test by the nearest vertex.
+    Hands, feet and head are blown up meanwhile, so that they keep their fingers. Each vertex is then taken to the
+    nearest point of the full surface, whose barycentric coordinates carry it over to the other shapes.
+    """
+    zoom = np.array([ZOOM.get(name.split(".")[0], 1.0) for name in names])
+    zoomed = vertices + np.einsum("vj,vja->va", weights * (zoom - 1), vertices[:, None] - joints)
+    coarse, small_faces, _, _ = gpytoolbox.decimate(zoomed, faces, num_faces=SMALL_FACES, method="shortest_edge")
+    _, triangle, barycentric = gpytoolbox.squared_distance(coarse, zoomed, faces, use_cpp=True)
+    blend = np.zeros((len(coarse), len(vertices)))
+    np.put_along_axis(blend, faces[triangle], barycentric, axis=1)
+    return small_faces, blend
+
+
+def check(name: str, vertices: np.ndarray, faces: np.ndarray, base: np.ndarray) -> None:
+    """The mesh is closed, manifold, of genus 0 and outward, and no triangle is turned over against the base shape's."""
+    mesh = trimesh.Trimesh(vertices, faces, process=False)
+    same_way = np.sum(mesh.face_normals * trimesh.Trimesh(base, faces, process=False).face_normals, axis=1)
+    assert same_way.min() > 0, (name, same_way.min())
+    edges = np.sort(mesh.edges, axis=1)
+    assert mesh.is_watertight and mesh.is_winding_consistent and mesh.euler_number == 2 and mesh.volume > 0, name
+    assert (np.unique(edges, axis=0, return_counts=True)[1] == 2).all(), name
+    lengths = np.linalg.norm(np.diff(vertices[edges], axis=1), axis=-1) * 1e3
+    print(f"{name}: {len(vertices)} vertices, height {np.ptp(vertices[:, 2]):.3f} m, volume {mesh.volume * 1e3:.1f} l, "
+          f"edges {lengths.min():.2f} / {np.median(lengths):.1f} / {lengths.max():.1f} mm")
+
+
+def main() -> None:
+    model = anny.Anny(rig="anny", topology="anny")
+    names, parents, heads, joint_of_bone = skeleton(model.bone_labels)
+    kept, faces = largest_component(model.get_triangular_faces().numpy())
+    weights = joint_weights(model, joint_of_bone, len(names))[kept]
+    labels, uv = part_labels(weights, names), vertex_uv(model)[kept]
+    shapes = {shape: rest_shape(model, phenotype, kept, heads) for shape, phenotype in SHAPES.items()}
+    small_faces, blend = decimate(shapes["base"][0], faces, weights, shapes["base"][1], names)
+    nearest = blend.argmax(axis=1)  # UV can't be blended over a seam, nor labels at all
+    for shape, (vertices, joints) in shapes.items():
+        for size in ("full", "small"):
+            full = size == "full"
+            rest, mesh_faces = (vertices, faces) if full else (blend @ vertices, small_faces)
+            check(f"{shape}-{size}", rest, mesh_faces, shapes["base"][0] if full else blend @ shapes["base"][0])
+            np.savez_compressed(
+                OUT / f"{shape}-{size}.npz",
+                rest=rest.astype(np.float32),
+                faces=mesh_faces.astype(np.uint16),
+                uv=(uv if full else uv[nearest]).astype(np.float16),
+                weights=(weights if full else blend @ weights).astype(np.float16),
+                labels=labels if full else labels[nearest],
+                part_names=np.array(PART_NAMES),
+                joints=joints.astype(np.float32),
+                parents=np.array(parents, np.int8),
+                joint_names=np.array(names),
+                **{key: np.array(text) for key, text in PROVENANCE.items()},
+            )
+
+
+if __name__ == "__main__":
+    main()
