@@ -36,6 +36,7 @@ class Run:
         identity: Plain JSON of all that decides the result: configuration, data hash, seed, code fingerprint.
         folder: Where checkpoints and results go.
         seed: `identity["seed"]`, or 0.
+        times: When it was started, wall seconds of all sessions together, and how many these were.
     """
 
     def __init__(self, store: "RunStore", kind: str, identity: dict, lock: TextIOWrapper | None = None) -> None:
@@ -47,8 +48,8 @@ class Run:
         self._log: TextIOWrapper | None = None
         self._stages: dict[str, Run] = {}
         self._began = self._beat = time.monotonic()
-        self._times = _read_json(self.folder / "times.json") or {"started": _now(), "seconds": 0.0, "sessions": 0}
-        self._before = self._times["seconds"]
+        self.times = _read_json(self.folder / "times.json") or {"started": _now(), "seconds": 0.0, "sessions": 0}
+        self._before = self.times["seconds"]
 
     def __enter__(self) -> "Run":
         return self
@@ -130,7 +131,7 @@ class Run:
             "code_version": code_version(),
             "machine": machine(),
             "packages": packages(),
-            "times": {**self._times, "finished": _now()},
+            "times": {**self.times, "finished": _now()},
             "peak_memory_mb": peak_memory_mb(),
         }
         write_text(self.folder / "run.json", json.dumps(record, indent=1, default=plain) + "\n")
@@ -150,7 +151,7 @@ class Run:
 
     def _begin(self) -> None:
         """Note what is about to be worked on, and when."""
-        self._times["sessions"] += 1
+        self.times["sessions"] += 1
         write_text(self.folder / "identity.json", json.dumps({"kind": self.kind, "identity": self.identity}, indent=1))
         self._keep_time(now=True)
 
@@ -158,8 +159,8 @@ class Run:
         """Keep the wall seconds of all sessions on the disk, every now and then, since a kill gives no notice."""
         if now or time.monotonic() - self._beat >= BEAT_SECONDS:
             self._beat = time.monotonic()
-            self._times["seconds"] = round(self._before + self._beat - self._began, 3)
-            write_text(self.folder / "times.json", json.dumps(self._times))
+            self.times["seconds"] = round(self._before + self._beat - self._began, 3)
+            write_text(self.folder / "times.json", json.dumps(self.times))
 
 
 class RunStore:
@@ -204,7 +205,7 @@ class RunStore:
         runs = [self._read(p.parent.name) for p in self.root.glob("*/identity.json")]
         wanted = (filters or {}).items()
         matching = [run for run in runs if all(_matches(flat(run), key, value) for key, value in wanted)]
-        return sorted(matching, key=lambda run: (run._times["started"], run.id))
+        return sorted(matching, key=lambda run: (run.times["started"], run.id))
 
     def _read(self, name: str) -> Run:
         noted = _read_json(self.root / name / "identity.json")
