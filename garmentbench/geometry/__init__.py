@@ -1,0 +1,1 @@
+"""Meshes, seed points, UV maps and nearest points, in numpy."""

@@ -1,0 +1,26 @@
+"""The nearest body vertex of each garment vertex."""
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+
+def nearest_vertices(points: np.ndarray, vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Nearest vertex of each point.
+
+    Args:
+        points: [m], shape (P, 3), finite.
+        vertices: [m], shape (B, 3).
+
+    Returns:
+        Distances [m], shape (P,), and indices into `vertices`, shape (P,).
+    """
+    return cKDTree(vertices).query(points)
+
+
+def plane_distances(points: np.ndarray, vertices: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """Signed distance [m], shape (P,), of each point to the tangent plane of its nearest vertex; negative: behind it.
+
+    Source: o_t^ik of section 5.1 of Zhang et al. 2022.
+    """
+    _, nearest = nearest_vertices(points, vertices)
+    return np.sum((points - vertices[nearest]) * normals[nearest], axis=-1)
