@@ -1,0 +1,63 @@
+"""results.csv: one row a measured value, in the columns and order that design fixes."""
+
+import math
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from garmentbench.atomic import write_text
+from garmentbench.scene import Scene
+
+COLUMNS = (
+    "preset experiment scene split garment motion body method variant train_frames seed metric horizon value unit "
+    "reference_value uncertainty status first_bad_frame run_id"
+).split()
+
+
+def line_columns(experiment: str, preset: str, scene: Scene, method: str, variant: str, train_frames: int | None, seed: int) -> dict:
+    """The columns that say what a row is about."""
+    return {
+        "preset": preset,
+        "experiment": experiment,
+        "scene": scene.name,
+        "split": scene.split,
+        "garment": scene.garment,
+        "motion": scene.motion.name,
+        "body": scene.body,
+        "method": method,
+        "variant": variant,
+        "train_frames": train_frames,
+        "seed": seed,
+    }
+
+
+def failed_row(columns: dict, message: str) -> dict:
+    """The row of a line that could not be computed at all: it stays in the tables, with its status."""
+    return columns | {"metric": "rollout_l2", "value": math.nan, "unit": "cm", "status": "failed", "run_id": f"({message})"}
+
+
+def with_skill(rows: list[dict]) -> list[dict]:
+    """The rows and `skill` beside each rollout_l2: 1 - error / skinning's error on the same frames."""
+
+    def frames(row: dict) -> tuple:
+        return row["experiment"], row["scene"], row["horizon"]
+
+    errors = [r for r in rows if r["metric"] == "rollout_l2" and r.get("horizon") is not None]
+    skinning = {frames(r): r["value"] for r in errors if r["method"] == "skinning" and r["status"] == "ok"}
+    skill = [
+        r | {"metric": "skill", "value": 1.0 - r["value"] / skinning[frames(r)], "unit": "1", "uncertainty": None}
+        for r in errors
+        if frames(r) in skinning
+    ]
+    return rows + skill
+
+
+def write_results(folder: Path, rows: Iterable[dict[str, Any]]) -> None:
+    """Write results.csv (rows in a fixed order, numbers with 6 digits) into a report's folder."""
+    import pandas
+
+    folder.mkdir(parents=True, exist_ok=True)
+    table = pandas.DataFrame(with_skill(list(rows)), columns=COLUMNS).drop_duplicates()
+    table = table.astype({"horizon": "Int64", "train_frames": "Int64", "first_bad_frame": "Int64"})
+    table = table.sort_values(["experiment", "scene", "method", "variant", "train_frames", "seed", "metric", "horizon"])
+    write_text(folder / "results.csv", table.to_csv(index=False, float_format="%.6g"))

@@ -1,0 +1,114 @@
+"""From experiments to results.csv and the report: what is missing is computed, what is finished is reused."""
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+from evals import EXPERIMENTS
+from evals.experiment import Entry, Experiment
+from evals.jobs import Failure, Job, run_jobs, worker_count
+from evals.rows import result_rows, write_results
+from garmentbench import work
+from garmentbench.errors import UserError, unknown_name
+from garmentbench.paths import REPORTS, RUNS
+from garmentbench.presets import Preset
+from garmentbench.runs import RunStore
+from garmentbench.scene import load_scene
+
+
+@dataclass(frozen=True)
+class Line:
+    """One line of a table before it is computed: an entry of an experiment, a seed and a test scene."""
+
+    experiment: Experiment
+    entry: Entry | None  # None: the reference simulation itself
+    seed: int
+    scene: str
+
+    @property
+    def trained(self) -> tuple:
+        return ("train", self.experiment.train, self.entry, self.seed)
+
+    @property
+    def evaluated(self) -> tuple:
+        return ("evaluate", self.trained, self.scene)
+
+
+def run(names: list[str], preset: Preset, seeds: int, data_only: bool = False) -> None:
+    """Compute the named experiments (all, if none is named) and write `reports/<preset>/`.
+
+    Raises `UserError` at the end if a job failed; its line is in the tables all the same.
+    """
+    for name in names:
+        if name not in EXPERIMENTS:
+            raise unknown_name("experiment", name, list(EXPERIMENTS))
+    work.require_device(preset)
+    experiments = [EXPERIMENTS[name] for name in names or EXPERIMENTS]
+    lines = [line for experiment in experiments for line in _lines(experiment, seeds)]
+    jobs = _jobs(experiments, lines, preset, data_only)
+    os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
+    results = run_jobs(jobs, worker_count())
+    if not data_only:
+        from garmentbench.report import make_report
+
+        write_results(REPORTS / preset.name, [row for line in lines for row in result_rows(line, preset, results)])
+        make_report(preset.name, REPORTS, RUNS)
+        print(f"report: {REPORTS / preset.name / 'index.html'}")
+    failed = [r for r in results.values() if isinstance(r, Failure)]
+    if failed:
+        raise UserError(f"{len(failed)} of {len(jobs)} jobs failed, the first: {failed[0].label}: {failed[0].message}")
+
+
+def _lines(experiment: Experiment, seeds: int) -> list[Line]:
+    lines = [
+        Line(experiment, entry, seed, scene)
+        for scene in experiment.tests
+        for entry in experiment.entries
+        for seed in range(seeds if work.is_random(entry.method) else 1)
+    ]
+    if experiment.simulator:
+        lines += [Line(experiment, None, 0, scene) for scene in experiment.tests]
+    return lines
+
+
+def _jobs(experiments: list[Experiment], lines: list[Line], preset: Preset, data_only: bool) -> dict[tuple, Job]:
+    jobs = {}
+
+    def add(job: Job) -> None:
+        jobs.setdefault(job.key, job)
+
+    for scene in {s: None for e in experiments for s in (e.train, *e.tests)}:
+        frames = load_scene(scene).frames
+        add(Job(("sequence", scene), f"simulate {scene}", _sequence, (), (scene, preset), cost=0.2 * frames))
+    for line in lines if not data_only else []:
+        if line.entry is None:
+            continue
+        train, test = line.experiment.train, line.scene
+        name = f"{line.entry.method} {line.entry.label}" + (f" seed {line.seed}" if line.seed else "")
+        cost = 600.0 if work.is_random(line.entry.method) else 10.0
+        arguments = (line.entry, train, preset, line.seed)
+        add(Job(line.trained, f"train {name} on {train}", _train, (("sequence", train),), arguments, cost))
+        add(
+            Job(
+                line.evaluated,
+                f"evaluate {name} on {test}",
+                _evaluate,
+                (line.trained, ("sequence", test)),
+                (test, preset),
+                cost=0.1 * load_scene(test).frames,
+            )
+        )
+    return jobs
+
+
+def _sequence(scene: str, preset: Preset) -> Path:
+    return work.make_sequence(scene, preset)
+
+
+def _train(_: Path, entry: Entry, scene: str, preset: Preset, seed: int) -> str:
+    return work.train(entry.method, entry.variant, scene, preset, entry.train_frames, seed, RunStore()).id
+
+
+def _evaluate(trained: str, _: Path, scene: str, preset: Preset) -> str:
+    store = RunStore()
+    return work.evaluate(store.get(trained), scene, preset, store).id
