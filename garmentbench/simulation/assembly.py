@@ -1,0 +1,114 @@
+"""From a garment's template to particles, springs and bending: numpy arrays, made once a simulation."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
+
+from garmentbench.simulation.material import Material, Settings
+
+
+@dataclass(frozen=True)
+class Fabric:
+    """A garment ready for integration, seam copies welded into one particle each (P particles, E edges).
+
+    Attributes:
+        particle: Particle of each garment vertex, shape (V,).
+        rest: Rest positions [m], shape (P, 3), float64.
+        mass: [kg], shape (P,).
+        edges: Particle pairs, shape (E, 2).
+        length: Rest lengths [m], shape (E,).
+        stiffness: Spring constants after the cap [N/m], shape (E,).
+        bending: Matrix that takes positions to minus the bending force [N/m], shape (P, P), sparse; rows sum to 0.
+        pinned: Whether a particle is held by the collider, shape (P,), bool.
+    """
+
+    particle: np.ndarray
+    rest: np.ndarray
+    mass: np.ndarray
+    edges: np.ndarray
+    length: np.ndarray
+    stiffness: np.ndarray
+    bending: sp.csr_matrix
+    pinned: np.ndarray
+
+
+def assemble(garment, material: Material, settings: Settings) -> Fabric:
+    """The fabric of a garment (`garmentbench.sequence.Garment`)."""
+    particle, count = weld(len(garment.rest), garment.seams)
+    rest = np.zeros((count, 3))
+    np.add.at(rest, particle, garment.rest.astype(np.float64))
+    rest /= np.bincount(particle)[:, None]
+    faces = particle[garment.faces]
+    area = _areas(rest, faces)
+    mass = np.zeros(count)
+    np.add.at(mass, faces.ravel(), np.repeat(material.density * area / 3, 3))
+    mass = np.maximum(mass, settings.mass_floor * np.median(mass))
+    edges, edge_area, stencils = _edges(faces, area)
+    length = np.linalg.norm(rest[edges[:, 0]] - rest[edges[:, 1]], axis=1)
+    stiffness = material.stretch * edge_area / length**2
+    pair = 1 / mass[edges]
+    stiffness = _cap(stiffness, 1 / pair.sum(axis=1), settings.stretch_cap)
+    pinned = np.zeros(count, bool)
+    pinned[particle[garment.pins]] = True
+    bending = _bending(rest, mass, stencils, material.bending, settings.bend_cap)
+    return Fabric(particle, rest, mass, edges, length, stiffness, bending, pinned)
+
+
+def weld(vertices: int, seams: np.ndarray) -> tuple[np.ndarray, int]:
+    """Particle of each vertex, shape (V,), and the number of particles: vertices joined by seams are one."""
+    pairs = np.asarray(seams, np.int64).reshape(-1, 2)
+    graph = sp.coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(vertices, vertices))
+    count, particle = connected_components(graph, directed=False)
+    return particle.astype(np.int32), count
+
+
+def _areas(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    a, b, c = points[faces].transpose(1, 0, 2)
+    return np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+
+
+def _edges(faces: np.ndarray, area: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Edges (E, 2), their areas (E,) [m^2] (a third of each triangle beside it), and stencils (S, 4) for bending.
+
+    A stencil is an inner edge's two ends, then the two corners opposite to it.
+    """
+    corners = np.concatenate([faces[:, [0, 1, 2]], faces[:, [1, 2, 0]], faces[:, [2, 0, 1]]])
+    ends = np.sort(corners[:, :2], axis=1)
+    edges, index = np.unique(ends, axis=0, return_inverse=True)
+    index = index.ravel()
+    edge_area = np.bincount(index, np.tile(area / 3, 3))
+    order = np.argsort(index, kind="stable")
+    same = index[order][1:] == index[order][:-1]
+    first, second = order[:-1][same], order[1:][same]
+    stencils = np.column_stack([edges[index[first]], corners[first, 2], corners[second, 2]])
+    return edges.astype(np.int32), edge_area, stencils
+
+
+def _cap(stiffness: np.ndarray, inertia: np.ndarray, multiple: float) -> np.ndarray:
+    """Stiffness lowered so that no squared frequency stiffness / inertia passes (multiple x median frequency)^2."""
+    squared = stiffness / inertia
+    return np.minimum(stiffness, multiple**2 * np.median(squared) * inertia)
+
+
+def _bending(rest: np.ndarray, mass: np.ndarray, stencils: np.ndarray, modulus: float, cap: float) -> sp.csr_matrix:
+    """Sum over stencils of k c c^T, with c from cotangents of the rest shape and k = 3 modulus / area (Bergou et al. 2006)."""
+    count = len(rest)
+    if len(stencils) == 0 or modulus == 0:
+        return sp.csr_matrix((count, count))
+    x0, x1, x2, x3 = rest[stencils].transpose(1, 0, 2)
+    c01, c02 = _cot(x1 - x0, x2 - x0), _cot(x1 - x0, x3 - x0)
+    c03, c04 = _cot(x0 - x1, x2 - x1), _cot(x0 - x1, x3 - x1)
+    c = np.column_stack([c03 + c04, c01 + c02, -c01 - c03, -c02 - c04])
+    area = (np.linalg.norm(np.cross(x1 - x0, x2 - x0), axis=1) + np.linalg.norm(np.cross(x1 - x0, x3 - x0), axis=1)) / 2
+    k = _cap(3 * modulus / area, 1 / (c**2 / mass[stencils]).sum(axis=1), cap)
+    rows = np.repeat(np.arange(len(stencils)), 4)
+    curvature = sp.csr_matrix((c.ravel(), (rows, stencils.ravel())), shape=(len(stencils), count))
+    matrix = (curvature.T @ sp.diags(k) @ curvature).tocsr()
+    matrix.sort_indices()
+    return matrix
+
+
+def _cot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return (a * b).sum(axis=1) / np.maximum(np.linalg.norm(np.cross(a, b), axis=1), 1e-12)

@@ -1,0 +1,146 @@
+"""The solver: a fabric and a collider on one device, advanced frame by frame."""
+
+import math
+
+import numpy as np
+import warp as wp
+
+from garmentbench.simulation.assembly import Fabric
+from garmentbench.simulation.collider import Collider
+from garmentbench.simulation.contact import FAR, find_contacts
+from garmentbench.simulation.kernels import Cloth, Contact, Physics, advance_serial, force_pass, particle_pass
+from garmentbench.simulation.material import Material, Settings
+
+
+class Solver:
+    """Particles under way.
+
+    Args:
+        fabric: What is simulated.
+        start: First particle positions [m], local axes, shape (P, 3).
+        surface: Faces (K, 3) and first positions [m], local axes, (B, 3), of what it touches; or None.
+        substeps: A frame, a multiple of `settings.queries`.
+        frame_time: Of one frame [s].
+        device: Warp device.
+        serial: One launch of one thread for all substeps between two queries (no launch storm on a CPU), or two passes
+            of parallel threads a substep. The result is the same.
+    """
+
+    def __init__(
+        self,
+        fabric: Fabric,
+        start: np.ndarray,
+        surface: tuple[np.ndarray, np.ndarray] | None,
+        material: Material,
+        settings: Settings,
+        substeps: int,
+        frame_time: float,
+        device: str = "cpu",
+        serial: bool = True,
+    ) -> None:
+        self.device, self.serial = device, serial
+        self.queries, self.frame_time = settings.queries, frame_time
+        self.steps = substeps // settings.queries
+        self.cloth = _cloth(fabric, start, device)
+        self.contact = _contact(start, device)
+        self.physics = _physics(material, settings, frame_time / substeps)
+        self.collider = None if surface is None else Collider(*surface, self.cloth, device)
+        self._graph = None
+
+    @property
+    def positions(self) -> np.ndarray:
+        """Particle positions [m], local axes, shape (P, 3), float32."""
+        return self.cloth.x.numpy()
+
+    @property
+    def velocities(self) -> np.ndarray:
+        """Particle velocities [m/s], shape (P, 3), float32."""
+        return self.cloth.v.numpy()
+
+    def shift(self, offset: np.ndarray) -> None:
+        """Move the origin by `offset` [m], shape (3,), so that positions stay small and float32 precise."""
+        self.cloth.x.assign(self.positions - offset.astype(np.float32))
+
+    def advance(self) -> None:
+        """One frame. The collider must hold that frame already."""
+        if not wp.get_device(self.device).is_cuda:
+            return self._frame()
+        if self._graph is None:
+            self._frame()  # loads the modules, which can't be done while recording
+            with wp.ScopedCapture(self.device) as capture:
+                self._frame()
+            self._graph = capture.graph
+        else:
+            wp.capture_launch(self._graph)
+
+    def _frame(self) -> None:
+        interval = self.frame_time / self.queries
+        for q in range(self.queries):
+            if self.collider is not None:
+                self.collider.move_to(q / self.queries, (q + 1) / self.queries, interval)
+                inputs = [self.collider.mesh.id, self.collider.surface, self.collider.faces, self.cloth, self.contact, interval]
+                self._launch(find_contacts, len(self.cloth.x), inputs)
+            if self.serial:
+                self._launch(advance_serial, 1, [self.cloth, self.contact, self.physics, self.steps])
+                continue
+            for s in range(self.steps):
+                self._launch(force_pass, max(len(self.cloth.ends), len(self.cloth.x)), [self.cloth, self.physics])
+                self._launch(particle_pass, len(self.cloth.x), [self.cloth, self.contact, self.physics, s])
+
+    def _launch(self, kernel: wp.Kernel, dim: int, inputs: list) -> None:
+        wp.launch(kernel, dim=dim, inputs=inputs, device=self.device)
+
+
+def _cloth(fabric: Fabric, start: np.ndarray, device: str) -> Cloth:
+    count, edges = len(fabric.mass), len(fabric.edges)
+    first, second = fabric.edges.T
+    end = np.concatenate([first, second])
+    order = np.argsort(end, kind="stable")
+    c = Cloth()
+    for name, values, kind in (
+        ("x", start, wp.vec3),
+        ("v", np.zeros((count, 3)), wp.vec3),
+        ("y", start, wp.vec3),
+        ("inverse_mass", 1 / fabric.mass, float),
+        ("pinned", fabric.pinned, int),
+        ("ends", fabric.edges, wp.vec2i),
+        ("length", fabric.length, float),
+        ("stiffness", fabric.stiffness, float),
+        ("force", np.zeros((edges, 3)), wp.vec3),
+        ("edge_start", np.searchsorted(end[order], np.arange(count + 1)), int),
+        ("edge_index", order % edges, int),
+        ("edge_sign", np.where(order < edges, 1.0, -1.0), float),
+        ("bend_start", fabric.bending.indptr, int),
+        ("bend_column", fabric.bending.indices, int),
+        ("bend_value", fabric.bending.data, float),
+    ):
+        setattr(c, name, _array(values, kind, device))
+    return c
+
+
+def _contact(start: np.ndarray, device: str) -> Contact:
+    count, h = len(start), Contact()
+    for name in ("normal", "velocity", "air"):
+        setattr(h, name, wp.zeros(count, dtype=wp.vec3, device=device))
+    h.point = _array(start, wp.vec3, device)  # where a pinned particle stays if there is no collider
+    h.active = wp.zeros(count, dtype=int, device=device)
+    h.reach = wp.full(count, float(FAR), dtype=float, device=device)
+    return h
+
+
+def _physics(material: Material, settings: Settings, dt: float) -> Physics:
+    p = Physics()
+    p.dt = dt
+    p.air_keep = math.exp(-material.air * dt)
+    p.gravity, p.contact_frequency, p.contact_damping = settings.gravity, settings.contact_frequency, settings.contact_damping
+    for name in ("compression", "stretch_damping", "bend_damping", "friction", "thickness"):
+        setattr(p, name, getattr(material, name))
+    return p
+
+
+def _array(values: np.ndarray, kind: type, device: str) -> wp.array:
+    if kind is float or kind is wp.vec3:
+        values = np.asarray(values, np.float32)
+    else:
+        values = np.asarray(values, np.int32)
+    return wp.array(np.ascontiguousarray(values), dtype=kind, device=device)

@@ -1,0 +1,105 @@
+"""The body as a moving surface, and where each particle touches it: Warp kernels, the same on CPU and CUDA."""
+
+import warp as wp
+
+from garmentbench.simulation.kernels import Cloth, Contact
+
+FAR = wp.constant(0.1)  # [m] beyond this a particle has nothing to do with the body
+MARGIN = wp.constant(0.02)  # [m] a particle's distance changes by less between two queries (else it is asked again)
+STILL = wp.constant(0.06)  # [m] from the skin: the air here moves with the body as a whole
+
+
+@wp.struct
+class Surface:
+    """The collider between two frames: cubic Hermite, tangents m in metres a frame."""
+
+    p0: wp.array(dtype=wp.vec3)
+    p1: wp.array(dtype=wp.vec3)
+    m0: wp.array(dtype=wp.vec3)
+    m1: wp.array(dtype=wp.vec3)
+    points: wp.array(dtype=wp.vec3)
+    velocities: wp.array(dtype=wp.vec3)  # mean velocity until the next query [m/s]
+    wind: wp.array(dtype=wp.vec3)  # shape (1,): velocity of the air away from the skin [m/s]
+    hold_face: wp.array(dtype=int)  # of a pinned particle; -1: not pinned
+    hold_at: wp.array(dtype=wp.vec3)  # its two barycentric coordinates (any sign) and its height over the face [m]
+
+
+@wp.func
+def hermite(s: Surface, i: int, u: float) -> wp.vec3:
+    """Position of body vertex i at the fraction u of the frame."""
+    w = 1.0 - u
+    return w * w * ((1.0 + 2.0 * u) * s.p0[i] + u * s.m0[i]) + u * u * ((3.0 - 2.0 * u) * s.p1[i] - w * s.m1[i])
+
+
+@wp.kernel(enable_backward=False)
+def move_surface(s: Surface, u0: float, u1: float, interval: float):
+    """Points at u0 and the velocities that lead to u1, `interval` seconds later: dim = B."""
+    i = wp.tid()
+    here = hermite(s, i, u0)
+    s.points[i] = here
+    s.velocities[i] = (hermite(s, i, u1) - here) / interval
+
+
+@wp.func
+def held_point(a: wp.vec3, b: wp.vec3, c: wp.vec3, at: wp.vec3) -> wp.vec3:
+    """The point at barycentric (at.x, at.y) and height at.z over a triangle."""
+    n = wp.normalize(wp.cross(b - a, c - a))
+    return at[0] * a + at[1] * b + (1.0 - at[0] - at[1]) * c + at[2] * n
+
+
+@wp.kernel(enable_backward=False)
+def attach(mesh: wp.uint64, s: Surface, faces: wp.array(dtype=int), c: Cloth):
+    """Fasten each pinned particle to the nearest face, wherever it is: dim = P."""
+    i = wp.tid()
+    s.hold_face[i] = -1
+    if c.pinned[i] == 1:
+        q = wp.mesh_query_point_no_sign(mesh, c.x[i], 1.0e6)
+        a = s.points[faces[3 * q.face]]
+        ab = s.points[faces[3 * q.face + 1]] - a
+        ac = s.points[faces[3 * q.face + 2]] - a
+        n = wp.cross(ab, ac)
+        d = c.x[i] - a
+        v = wp.dot(wp.cross(d, ac), n) / wp.dot(n, n)
+        w = wp.dot(wp.cross(ab, d), n) / wp.dot(n, n)
+        s.hold_face[i] = q.face
+        s.hold_at[i] = wp.vec3(1.0 - v - w, v, wp.dot(d, wp.normalize(n)))
+
+
+@wp.kernel(enable_backward=False)
+def find_contacts(mesh: wp.uint64, s: Surface, faces: wp.array(dtype=int), c: Cloth, h: Contact, interval: float):
+    """Tangent plane, its motion and the air round each particle: dim = P."""
+    i = wp.tid()
+    face = s.hold_face[i]
+    if face >= 0:
+        ia = faces[3 * face]
+        ib = faces[3 * face + 1]
+        ic = faces[3 * face + 2]
+        a = s.points[ia]
+        b = s.points[ib]
+        d = s.points[ic]
+        here = held_point(a, b, d, s.hold_at[i])
+        then = held_point(a + interval * s.velocities[ia], b + interval * s.velocities[ib], d + interval * s.velocities[ic], s.hold_at[i])
+        h.point[i] = here
+        h.velocity[i] = (then - here) / interval
+    else:
+        x = c.x[i]
+        q = wp.mesh_query_point_sign_normal(mesh, x, h.reach[i])
+        if not q.result:
+            q = wp.mesh_query_point_sign_normal(mesh, x, FAR)
+        h.active[i] = 0
+        h.reach[i] = FAR
+        h.air[i] = s.wind[0]
+        if q.result:
+            p = wp.mesh_eval_position(mesh, q.face, q.u, q.v)
+            v = wp.mesh_eval_velocity(mesh, q.face, q.u, q.v)
+            away = q.sign * (x - p)
+            distance = wp.length(away)
+            n = wp.mesh_eval_face_normal(mesh, q.face)
+            if distance > 1.0e-4:
+                n = away / distance
+            h.active[i] = 1
+            h.point[i] = p
+            h.normal[i] = n
+            h.velocity[i] = v
+            h.reach[i] = wp.min(distance + MARGIN, FAR)
+            h.air[i] = v + wp.min(distance / STILL, 1.0) * (s.wind[0] - v)

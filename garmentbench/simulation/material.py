@@ -1,0 +1,83 @@
+"""What the cloth is made of and how it is integrated. Scenes override both by name."""
+
+from dataclasses import dataclass, fields, replace
+from typing import TypeVar
+
+from garmentbench.errors import UsageError, unknown_name
+
+T = TypeVar("T", "Material", "Settings")
+
+
+@dataclass(frozen=True)
+class Material:
+    """A fabric, about a light cotton knit. A modulus is per metre of width, so it does not depend on the mesh.
+
+    Attributes:
+        density: Mass per area [kg/m^2].
+        stretch: Spring modulus [N/m]; on a mesh of equilateral triangles the sheet's Young modulus (times its
+            thickness) is a third of it, its Poisson ratio a third.
+        compression: Part of `stretch` that resists shortening [1]; below 1 stands for buckles finer than the mesh.
+        bending: Bending stiffness [N m], isometric bending (Bergou et al. 2006, "A quadratic bending model").
+        stretch_damping: Damping time of stretch [s]: damping = this times stiffness.
+        bend_damping: Damping time of bending [s].
+        air: Rate at which velocity decays towards that of the air [1/s].
+        friction: Coulomb's coefficient against the body [1].
+        thickness: Distance that the cloth's middle keeps from the body [m].
+    """
+
+    density: float = 0.2
+    stretch: float = 300.0
+    compression: float = 0.3
+    bending: float = 5e-5
+    stretch_damping: float = 1e-4
+    bend_damping: float = 5e-3
+    air: float = 5.0
+    friction: float = 0.4
+    thickness: float = 3e-3
+
+
+@dataclass(frozen=True)
+class Settings:
+    """The solver. Nothing here should change a result by more than the reference's uncertainty.
+
+    The frequency caps are multiples of the mesh's own median frequency: they soften slivers (which would set the step
+    for everybody) and nothing else. So a stiffer cloth is as much stiffer as it says, at the price of more substeps; an
+    absolute cap would have silently stopped it from getting stiffer.
+
+    Attributes:
+        stretch_cap: No edge oscillates faster than this times the median edge [1].
+        bend_cap: No bending stencil oscillates faster than this times the median stencil [1].
+        mass_floor: No particle is lighter than this times the median particle [1].
+        contact_frequency: Angular frequency of the compliant contact [rad/s].
+        contact_damping: Its damping ratio [1].
+        queries: Nearest-point queries of the body a frame.
+        step_margin: The time step over its stability bound [1].
+        substep_factor: Times as many substeps as the bound asks for (2 in a doubling study).
+        start_noise: Size of a random push of each vertex at the start [m].
+        noise_seed: Its seed.
+        gravity: Downwards acceleration [m/s^2].
+    """
+
+    stretch_cap: float = 1.7
+    bend_cap: float = 4.0
+    mass_floor: float = 0.3
+    contact_frequency: float = 1500.0
+    contact_damping: float = 0.5
+    queries: int = 8
+    step_margin: float = 0.9
+    substep_factor: int = 1
+    start_noise: float = 0.0
+    noise_seed: int = 0
+    gravity: float = 9.81
+
+
+def override(base: T, changes: dict[str, float], kind: str) -> T:
+    """`base` with some values changed by name. Raises `UsageError` on an unknown name or a value that is no number."""
+    kinds = {f.name: type(getattr(base, f.name)) for f in fields(base)}
+    for name, value in changes.items():
+        if name not in kinds:
+            raise unknown_name(kind, name, list(kinds))
+        if isinstance(value, bool) or not isinstance(value, int | float) or value < 0 or (kinds[name] is int and value != int(value)):
+            wanted = "a whole number" if kinds[name] is int else "a number"
+            raise UsageError(f"{kind} '{name}' is {value!r}; wanted {wanted} of at least 0")
+    return replace(base, **{name: kinds[name](value) for name, value in changes.items()})

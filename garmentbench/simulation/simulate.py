@@ -1,0 +1,118 @@
+"""From a scene to its reference sequence, with its own uncertainty."""
+
+from collections.abc import Callable
+from dataclasses import asdict, replace
+
+import numpy as np
+
+from garmentbench.errors import UserError
+from garmentbench.motion import Animation, animate
+from garmentbench.presets import Preset
+from garmentbench.scene import Scene
+from garmentbench.sequence import HUMAN, Garment, Sequence, Template
+from garmentbench.simulation.dress import dress
+from garmentbench.simulation.drive import Drive, drive
+from garmentbench.simulation.material import Material, Settings, override
+
+WINDOW = 150  # frames of the uncertainty's two further runs, warm-up not counted
+PERTURBATION = 1e-3  # [m]
+CUT_FOR = "base"  # the body that baked garments fit
+Step = Callable[[], None]
+
+
+def simulate(scene: Scene, preset: Preset, step: Step = lambda: None, device: str = "cpu") -> Sequence:
+    """The reference sequence of a scene, without its uncertainty.
+
+    Args:
+        scene: What is simulated; its `material` and `simulation` override the defaults by name.
+        preset: Sizes of garment and body.
+        step: Called after each of `frame_count` frames.
+        device: Warp device, "cpu" or "cuda:0".
+
+    Returns:
+        The sequence, its `info["simulation"]` filled: settings, substeps, strain, status ("ok", or "unstable" with its
+        first bad frame). Frames from the first that is not finite on are left out.
+
+    Raises:
+        UsageError: An unknown garment, body, motion, material or setting.
+        UserError: Not one frame is finite.
+    """
+    animation, garment, start, material, settings = _prepare(scene, preset)
+    run = drive(garment, start, animation.body, animation.positions, scene.fps, material, settings, device, step=step)
+    positions = run.positions[animation.warm_up :].astype(np.float32)
+    body = animation.positions[animation.warm_up :].astype(np.float32)
+    finite = np.isfinite(positions).all(axis=(1, 2))
+    count = len(finite) if finite.all() else int(np.argmin(finite))
+    if count == 0:
+        raise UserError(f"scene {scene.name}: the cloth is not finite at the first frame; wanted positions, lower its stiffness")
+    info = {
+        "scene": scene.name,
+        "split": scene.split,
+        "motion": asdict(scene.motion),
+        "preset": preset.name,
+        "simulation": _summary(run, animation.warm_up, material, settings, device),
+    }
+    return Sequence(Template(garment, animation.body, scene.fps), positions[:count], body[:count], info)
+
+
+def measure_uncertainty(
+    scene: Scene, preset: Preset, sequence: Sequence, frames: int = WINDOW, step: Step = lambda: None, device: str = "cpu"
+) -> dict[str, float]:
+    """How far the reference moves [cm, mean over vertices and frames] when nothing that matters is changed.
+
+    Args:
+        scene, preset: As given to `simulate`.
+        sequence: What it gave.
+        frames: The first so many frames are compared, after the whole warm-up.
+        step: Called after each of 2 x (warm-up + frames) frames.
+        device: As given to `simulate`.
+
+    Returns:
+        `doubling_cm` (twice the substeps), `perturbed_cm` (each vertex pushed by 1 mm at the start of the warm-up), `cm`
+        (the larger) and `frames` (compared).
+    """
+    animation, garment, start, material, settings = _prepare(scene, preset)
+    frames = min(frames, len(sequence))
+    window = animation.positions[: animation.warm_up + frames]
+
+    def distance(changed: Settings) -> float:
+        run = drive(garment, start, animation.body, window, scene.fps, material, changed, device, step=step)
+        return 100 * float(np.linalg.norm(run.positions[animation.warm_up :] - sequence.garment[:frames], axis=-1).mean())
+
+    doubling = distance(replace(settings, substep_factor=2 * settings.substep_factor))
+    perturbed = distance(replace(settings, start_noise=settings.start_noise + PERTURBATION, noise_seed=settings.noise_seed + 1))
+    return {"doubling_cm": doubling, "perturbed_cm": perturbed, "cm": max(doubling, perturbed), "frames": frames}
+
+
+def frame_count(scene: Scene, preset: Preset) -> int:
+    """Frames that `simulate` steps through, warm-up included."""
+    return len(animate(scene, preset).positions)
+
+
+def _prepare(scene: Scene, preset: Preset) -> tuple[Animation, Garment, np.ndarray, Material, Settings]:
+    from garmentbench.bodies import load_body
+    from garmentbench.garments import load_garment
+
+    material = override(Material(), scene.material, "material")
+    settings = override(Settings(), scene.simulation, "simulation setting")
+    garment = load_garment(scene.garment, preset.name)
+    animation = animate(scene, preset)
+    other = animation.body.kind == HUMAN and animation.body.name != CUT_FOR
+    cut_for = load_body(CUT_FOR, preset.body_size).body.rest if other else None
+    return animation, garment, dress(garment, cut_for, animation.body, animation.positions[0]), material, settings
+
+
+def _summary(run: Drive, warm_up: int, material: Material, settings: Settings, device: str) -> dict:
+    mean, high = run.strain[warm_up:].T
+    return {
+        "solver": "explicit",
+        "device": device,
+        "material": asdict(material),
+        "settings": asdict(settings),
+        "substeps": run.substeps,
+        "mean_strain_percent": 100 * float(np.nanmean(mean)),
+        "p99_strain_percent": 100 * float(np.nanmax(high)),
+        "ms_per_frame": run.ms_per_frame,
+        "status": run.status,
+        "first_bad_frame": None if run.first_bad_frame is None else run.first_bad_frame - warm_up,
+    }
