@@ -1,4 +1,4 @@
-"""A lock on a folder that many processes share. The system releases it when its holder ends, however it ends."""
+"""A lock file that many processes share. The system releases the lock when its holder ends, however it ends."""
 
 import fcntl
 import os
@@ -9,24 +9,24 @@ from pathlib import Path
 from garmentbench.errors import UserError
 
 
-def take(folder: Path) -> TextIOWrapper:
-    """Lock a folder, which is made if need be; closing the file that is returned releases it.
+def take(file: Path) -> TextIOWrapper:
+    """Lock a file, which is made if need be; closing what is returned releases it.
 
-    Waits while another process holds it. Raises `UserError` where the folder can't be written to.
+    Waits while another process holds it. Raises `UserError` where its folder can't be written to.
     """
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        lock = (folder / "lock").open("a+")
+        file.parent.mkdir(parents=True, exist_ok=True)
+        lock = file.open("a+")
     except OSError as e:
-        raise UserError(f"{folder}: can't be written ({e.strerror}); free some space or mend its rights") from e
+        raise UserError(f"{file.parent}: can't be written to ({e.strerror}); free some space or mend its rights") from e
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         lock.seek(0)
         holder = lock.read().strip()
         if holder == str(os.getpid()):
-            raise RuntimeError(f"{folder.name} is open in this process already") from None
-        print(f"{folder.name}: waiting for process {holder or '?'}, which is at it", file=sys.stderr, flush=True)
+            raise RuntimeError(f"{file} is locked by this process already") from None
+        print(f"{file}: waiting for process {holder or '?'}, which is at it", file=sys.stderr, flush=True)
         fcntl.flock(lock, fcntl.LOCK_EX)
     lock.truncate(0)
     lock.write(str(os.getpid()))
@@ -34,11 +34,11 @@ def take(folder: Path) -> TextIOWrapper:
     return lock
 
 
-def held(folder: Path) -> bool:
-    """Does any process hold the folder's lock?"""
-    if not (folder / "lock").is_file():
+def held(file: Path) -> bool:
+    """Does any process hold the lock?"""
+    if not file.is_file():
         return False
-    with (folder / "lock").open() as lock:
+    with file.open() as lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
         except BlockingIOError:

@@ -80,7 +80,7 @@ class Run:
         """ "finished", "running" (a process holds it) or "interrupted"."""
         if self.finished:
             return "finished"
-        return "running" if self._lock is not None or held(self.folder) else "interrupted"
+        return "running" if self._lock is not None or held(self.folder / "lock") else "interrupted"
 
     def log(self, step: int, **values: float) -> None:
         """Append a line to metrics.jsonl. Steps grow over a run; what an earlier, killed session logged from its first
@@ -176,7 +176,7 @@ class RunStore:
         """
         identity = json.loads(json.dumps(identity, default=plain))
         folder = self.root / run_id(kind, identity)
-        lock = take(folder)
+        lock = take(folder / "lock")
         run = Run(self, kind, identity, lock)
         if run.finished:
             run._lock = None

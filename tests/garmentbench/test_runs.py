@@ -103,14 +103,14 @@ def test_the_second_process_waits_and_finds_the_run_finished(tmp_path):
     folder = tmp_path / run_id("train", IDENTITY)
     with RunStore(tmp_path).open("train", IDENTITY) as run:
         second = process(tmp_path, "print(run.finished, run.results)")
-        assert second.stderr.readline().startswith(f"{folder.name}: waiting for process {os.getpid()}")
+        assert second.stderr.readline().startswith(f"{folder / 'lock'}: waiting for process {os.getpid()}")
         run.finish({"l2": 2.0})
     assert second.communicate(timeout=20)[0].strip() == "True {'l2': 2.0}"
 
 
 def test_opening_a_run_twice_in_one_process_is_an_error_and_no_deadlock(tmp_path):
     store = RunStore(tmp_path)
-    with store.open("train", IDENTITY), pytest.raises(RuntimeError, match="open in this process already"):
+    with store.open("train", IDENTITY), pytest.raises(RuntimeError, match="locked by this process already"):
         store.open("train", IDENTITY)
     with store.open("train", IDENTITY) as run:
         assert not run.finished
@@ -178,5 +178,5 @@ def test_compare_shows_what_differs_and_all_results(tmp_path):
 
 def test_a_store_that_cannot_be_written_to(tmp_path):
     (tmp_path / "file").write_text("")
-    with pytest.raises(UserError, match="can't be written"):
+    with pytest.raises(UserError, match="can't be written to"):
         RunStore(tmp_path / "file").open("train", IDENTITY)

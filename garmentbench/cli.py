@@ -1,0 +1,87 @@
+"""The command line: finds the command, and turns what goes wrong into one line and an exit code.
+
+0: done. 1: a file, a mesh or the machine is wrong. 2: the call is wrong. 130: Ctrl-C.
+"""
+
+import contextlib
+import difflib
+import io
+import os
+import sys
+from collections.abc import Sequence
+from dataclasses import fields
+from functools import reduce
+from operator import or_
+from typing import Annotated
+
+import garmentbench
+from garmentbench.commands import COMMANDS, Command
+from garmentbench.errors import UsageError, UserError, unknown_name
+
+DESCRIPTION = """A benchmark of learned garment dynamics.
+
+Example: garmentbench evals --preset smoke"""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and give its exit code. `arguments` are those of the process by default."""
+    arguments = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        if arguments == ["--version"]:
+            print(f"garmentbench {garmentbench.__version__}")
+        else:
+            parse(arguments or ["--help"]).run()
+        sys.stdout.flush()
+    except UserError as e:
+        print(f"garmentbench: {e}", file=sys.stderr)
+        return e.exit_code
+    except KeyboardInterrupt:
+        print("garmentbench: stopped; the same command again goes on from what is finished", file=sys.stderr)
+        return 130
+    except BrokenPipeError:  # the reader of a pipe has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    return 0
+
+
+def parse(arguments: list[str]) -> Command:
+    """The command that was typed. Raises `UsageError`, with the nearest name where one is unknown; exits after help."""
+    import tyro
+
+    name = arguments[0]
+    if not name.startswith("-") and name not in COMMANDS:
+        raise unknown_name("command", name, list(COMMANDS))
+    union = reduce(or_, (Annotated[kind, tyro.conf.subcommand(n)] for n, kind in COMMANDS.items()))
+    box = io.StringIO()
+    try:
+        with contextlib.redirect_stderr(box):
+            command, unknown = tyro.cli(
+                union, args=arguments, prog="garmentbench", description=DESCRIPTION, return_unknown_args=True)
+    except SystemExit as e:
+        if e.code == 0:
+            raise
+        raise UsageError(_one_line(box.getvalue())) from None
+    if unknown:
+        raise _unknown_argument(unknown[0], name, command)
+    return command
+
+
+def _unknown_argument(argument: str, name: str, command: Command) -> UsageError:
+    """What to say of an argument that a command does not know."""
+    if not argument.startswith("-"):
+        return UsageError(f"{name}: what to do with '{argument}'? See garmentbench {name} --help")
+    options = ["--" + f.name.replace("_", "-") for f in fields(command)]
+    near = difflib.get_close_matches(argument, options, n=1, cutoff=0.4)
+    hint = f"did you mean '{near[0]}'? " if near else ""
+    return UsageError(f"{name}: unknown option '{argument}': {hint}See garmentbench {name} --help")
+
+
+def _one_line(box: str) -> str:
+    """The message in one of tyro's boxes, in one line."""
+    lines = [line.strip(" │") for line in box.splitlines()[1:-1]]
+    message = " ".join(line for line in lines if line.strip("─"))
+    return " ".join(message.split())
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,117 @@
+"""Commands about experiments and what came of them: evals, runs, report, view."""
+
+from dataclasses import dataclass
+
+from tyro.conf import Positional
+
+from garmentbench.commands.table import print_table
+from garmentbench.errors import UsageError
+
+
+@dataclass(frozen=True)
+class Evals:
+    """Compute experiments (all, if none is named) and write reports/<preset>. What is finished is reused.
+
+    Example: garmentbench evals baselines --preset smoke --seeds 3
+
+    Attributes:
+        experiments: Names of experiments.
+        preset: Size: smoke, laptop or paper.
+        seeds: Trainings of each method that has chance in it.
+        data_only: Only simulate the scenes.
+        device: auto, cpu or cuda.
+    """
+
+    experiments: Positional[tuple[str, ...]] = ()
+    preset: str = "laptop"
+    seeds: int = 1
+    data_only: bool = False
+    device: str = "auto"
+
+    def run(self) -> None:
+        from evals.run import run
+
+        from garmentbench.device import choose_device
+        from garmentbench.presets import preset
+
+        size = preset(self.preset)
+        if self.seeds < 1:
+            raise UsageError(f"evals: --seeds is {self.seeds}; wanted at least 1")
+        choose_device(self.device)
+        run(list(self.experiments), size, self.seeds, self.data_only)
+
+
+@dataclass(frozen=True)
+class Runs:
+    """List runs, those that match key=value filters, or compare some by their ids.
+
+    Example: garmentbench runs kind=train method=motion_guided state=finished
+    Example: garmentbench runs --compare train-1f00c0ffee12 train-2f00
+
+    Attributes:
+        filters: key=value; a key is one of run.json's, dotted ("identity.config.width"), or its end ("width").
+        compare: Ids, or beginnings of ids, of runs to lay side by side.
+    """
+
+    filters: Positional[tuple[str, ...]] = ()
+    compare: tuple[str, ...] = ()
+
+    def run(self) -> None:
+        from garmentbench.compare import compare, list_rows
+        from garmentbench.runs import RunStore
+
+        wrong = [f for f in self.filters if "=" not in f]
+        if wrong:
+            raise UsageError(f"runs: '{wrong[0]}' is no filter; wanted key=value, e.g. method=skinning")
+        store = RunStore()
+        if self.compare:
+            runs = [store.get(name) for name in self.compare]
+            print_table([{"": key} | dict(zip((r.id for r in runs), values, strict=True)) for key, values in compare(runs)])
+            return
+        runs = store.list(dict(f.split("=", 1) for f in self.filters))
+        print_table(list_rows(runs))
+        if not runs:
+            print(f"no runs in {store.root}" + (" match" if self.filters else " yet"))
+
+
+@dataclass(frozen=True)
+class Report:
+    """Make reports/<preset> again from its results.csv and the runs.
+
+    Example: garmentbench report --preset smoke
+
+    Attributes:
+        preset: Size: smoke, laptop or paper.
+    """
+
+    preset: str = "laptop"
+
+    def run(self) -> None:
+        from garmentbench.paths import REPORTS, RUNS
+        from garmentbench.presets import preset
+        from garmentbench.report import make_report
+
+        make_report(preset(self.preset).name, REPORTS, RUNS)
+        print(REPORTS / self.preset / "index.html")
+
+
+@dataclass(frozen=True)
+class View:
+    """Open a roll-out's recording in the Rerun viewer.
+
+    Example: garmentbench view evaluate-1f00c0ffee12
+
+    Attributes:
+        name: Id of an evaluation's run, or its beginning (`garmentbench runs kind=evaluate`).
+    """
+
+    name: Positional[str]
+
+    def run(self) -> None:
+        from garmentbench.recording import open_viewer
+        from garmentbench.runs import RunStore
+
+        run = RunStore().get(self.name)
+        if run.kind != "evaluate":
+            raise UsageError(f"view: {run.id} is no evaluation; `garmentbench runs kind=evaluate` lists those")
+        open_viewer(run.folder / "recording.rrd")

@@ -1,0 +1,40 @@
+"""Which device is used: the processor, or a CUDA device."""
+
+import os
+
+from garmentbench.errors import UserError, unknown_name
+from garmentbench.presets import PRESETS, Preset
+
+DEVICES = ("auto", "cpu", "cuda")
+
+
+def choose_device(name: str) -> None:
+    """Settle the device of this process and those it starts, before torch or Warp is loaded.
+
+    "auto" is CUDA where there is a device. Raises `UsageError` for another name, `UserError` where "cuda" is not there.
+    """
+    if name not in DEVICES:
+        raise unknown_name("device", name, list(DEVICES))
+    if name == "cpu":
+        os.environ["CUDA_VISIBLE_DEVICES"] = ""  # torch and Warp both ask the driver, which obeys this
+    if name == "cuda" and not has_cuda():
+        raise UserError("--device cuda: this machine offers no CUDA device to torch; use --device cpu or auto")
+
+
+def require_device(preset: Preset) -> None:
+    """Raises `UserError` where a preset needs a CUDA device and there is none."""
+    if preset.needs_cuda and not has_cuda():
+        others = " or ".join(p.name for p in PRESETS.values() if not p.needs_cuda)
+        raise UserError(f"preset {preset.name} needs a CUDA device and none is there; {others} run on any machine")
+
+
+def has_cuda() -> bool:
+    """May this process use a CUDA device?"""
+    import torch
+
+    return torch.cuda.is_available()
+
+
+def device_name() -> str:
+    """ "cuda" where a CUDA device may be used, else "cpu"."""
+    return "cuda" if has_cuda() else "cpu"

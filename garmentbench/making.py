@@ -1,0 +1,96 @@
+"""Making sequences: simulate a scene, measure how far its reference can be relied on, store both; or keep what is there."""
+
+import json
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+from garmentbench import hdf5, lock, sequence_file
+from garmentbench.device import has_cuda
+from garmentbench.errors import UserError
+from garmentbench.fingerprint import content_hash, fingerprint
+from garmentbench.paths import BODIES, GARMENTS, sequence_path
+from garmentbench.presets import Preset
+from garmentbench.progress import track
+from garmentbench.scene import Scene, load_scene
+from garmentbench.sequence import Needs, Sequence, Template
+
+IDENTITY = "made_from"  # key of a sequence's info: hash of scene, preset, assets and code
+
+
+def make_sequence(scene_name: str, preset: Preset) -> Path:
+    """The path of a scene's reference sequence, which is simulated unless it is there, made from the same by the same
+    code. Two processes that want the same make it once.
+
+    Raises `UserError` for a wrong scene, or when the file can't be written.
+    """
+    scene = load_scene(scene_name)
+    path = sequence_path(preset.name, scene.name)
+    identity = sequence_identity(scene, preset)
+    with lock.take(path.with_suffix(".lock")):
+        if not _is_made_from(path, identity):
+            sequence = _simulated(scene, preset)
+            sequence_file.save(replace(sequence, info={**sequence.info, IDENTITY: identity}), path)
+    return path
+
+
+def sequence_identity(scene: Scene, preset: Preset) -> str:
+    """Hash of all that decides a reference sequence."""
+    assets = [GARMENTS / f"{scene.garment}-{preset.name}.npz", *sorted(BODIES.glob(f"*-{preset.body_size}.npz"))]
+    code = fingerprint("garmentbench.simulation", "garmentbench.motion", *(p for p in assets if p.is_file()))
+    return content_hash({"scene": scene, "preset": preset, "code": code})
+
+
+def scene_template(scene: Scene, preset: Preset) -> Template:
+    """What does not move in a scene, without simulating it. Raises `UsageError` for an unknown garment or body."""
+    from garmentbench.bodies import load_body
+    from garmentbench.garments import load_garment
+    from garmentbench.motion.stick import stick
+
+    body = stick() if scene.body == "stick" else load_body(scene.body, preset.body_size).body
+    return Template(load_garment(scene.garment, preset.name), body, scene.fps)
+
+
+def scene_needs(scene: Scene, preset: Preset) -> Needs:
+    """What a scene needs. Raises as `scene_template`."""
+    return scene_template(scene, preset).needs
+
+
+def _is_made_from(path: Path, identity: str) -> bool:
+    """Is the file there, whole, and made from that?"""
+    if not path.is_file():
+        return False
+    try:
+        with hdf5.opened(path, sequence_file.KIND, sequence_file.SCHEMA, sequence_file.REMAKE) as file:
+            info = json.loads(hdf5.attribute(file, "info", str) or "{}")
+    except UserError as e:
+        print(f"{e}: made again now", file=sys.stderr)
+        return False
+    return info.get(IDENTITY) == identity
+
+
+def _simulated(scene: Scene, preset: Preset) -> Sequence:
+    """The reference with its uncertainty and its own interpenetration in its info."""
+    from garmentbench.simulation.simulate import WINDOW, frame_count, measure_uncertainty, simulate
+
+    device = "cuda:0" if has_cuda() else "cpu"
+    steps = frame_count(scene, preset)
+    with track(steps, f"simulate {scene.name}") as step:
+        sequence = simulate(scene, preset, step, device)
+    warm_up = steps - min(scene.frames, preset.frame_limit or scene.frames)
+    with track(2 * (warm_up + min(WINDOW, len(sequence))), f"uncertainty of {scene.name}") as step:
+        info = sequence.info | {"uncertainty": measure_uncertainty(scene, preset, sequence, step=step, device=device)}
+    if sequence.template.needs.body:
+        info["interpenetration"] = _own_interpenetration(sequence)
+    return replace(sequence, info=info)
+
+
+def _own_interpenetration(sequence: Sequence) -> dict[str, float]:
+    from garmentbench.metrics.interpenetration import interpenetration
+    from garmentbench.metrics.strict import interpenetration_strict, signed_distances
+
+    arrays = sequence.garment, sequence.body, sequence.template.body.faces
+    return {
+        "vertex_percent": interpenetration(*arrays),
+        "strict_percent": interpenetration_strict(signed_distances(*arrays)),
+    }

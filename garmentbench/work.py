@@ -1,0 +1,138 @@
+"""The work behind the commands: train a method, roll it out and measure it. What is finished is reused.
+
+Together with the command line this is the outermost shell: methods are reached from here, by their names.
+"""
+
+import sys
+import traceback
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from garmentbench import sequence_file
+from garmentbench.device import device_name, require_device
+from garmentbench.errors import UsageError, UserError, unknown_name
+from garmentbench.fingerprint import fingerprint
+from garmentbench.making import make_sequence
+from garmentbench.method import HISTORY, Method
+from garmentbench.presets import Preset
+from garmentbench.runs import Run, RunStore
+from garmentbench.sequence import Sequence
+
+__all__ = ["evaluate", "is_random", "load_method", "make_sequence", "require_device", "train"]
+
+
+def load_method(name: str) -> type[Method]:
+    """The method of that name, or the class at "module:Class". Raises `UsageError` with the nearest name."""
+    from methods import load_method as load
+
+    return load(name)
+
+
+def is_random(method_name: str) -> bool:
+    """Does the seed change what a method learns? A method says so by its attribute `random` (true if not given)."""
+    return getattr(load_method(method_name), "random", True)
+
+
+def variants(method: type[Method]) -> dict[str, Any]:
+    """A method's variants: functions that change the full configuration. Its module may offer more than "full"."""
+    return getattr(sys.modules[method.__module__], "VARIANTS", {"full": lambda full: full})
+
+
+def configuration(method: type[Method], variant: str, preset: Preset) -> Any:
+    """The configuration of a variant at a preset. Raises `UsageError` for an unknown variant."""
+    known = variants(method)
+    if variant not in known:
+        raise unknown_name(f"variant of {method.name}", variant, list(known))
+    module = sys.modules[method.__module__]
+    full = module.config_for(preset.name) if hasattr(module, "config_for") else method.Config()
+    return known[variant](full)
+
+
+def train(method_name: str, variant: str, scene: str, preset: Preset, frames: int, seed: int, store: RunStore) -> Run:
+    """Train a method on the first `frames` of a scene (fewer where the preset limits them).
+
+    Returns:
+        The finished run; the trained method is in its folder "method".
+
+    Raises:
+        UserError: A wrong name, too few frames in the scene, or the method's `fit` raised.
+    """
+    method = load_method(method_name)
+    config = configuration(method, variant, preset)
+    if frames <= HISTORY:
+        raise UsageError(f"train: {frames} frames asked for; wanted more than {HISTORY}, which are the history of the next")
+    frames = min(frames, preset.frame_limit or frames)
+    path = make_sequence(scene, preset)
+    identity = {
+        "method": method_name,
+        "variant": variant,
+        "train_scene": scene,
+        "preset": preset.name,
+        "train_frames": frames,
+        "seed": seed if is_random(method_name) else 0,
+        "config": config,
+        "data": sequence_file.content_hash(path),
+        "code": fingerprint(method.__module__),
+        "device": device_name(),
+    }
+    with store.open("train", identity) as run:
+        if not run.finished:
+            sequence = sequence_file.load(path, frames)
+            if len(sequence) < frames:
+                raise UserError(f"{path}: has {len(sequence)} frames, {frames} were asked for; train on at most {len(sequence)}")
+            trained = _fit(method, sequence, config, run)
+            folder = run.folder / "method"
+            folder.mkdir(exist_ok=True)
+            trained.save(folder)
+            run.finish()
+    return store.get(run.id)
+
+
+def _fit(method: type[Method], sequence: Sequence, config: Any, run: Run) -> Method:
+    """Fit a method; what foreign code raises becomes one line, its traceback stays in the run."""
+    try:
+        return method.fit(sequence, config, run)
+    except UserError:
+        raise
+    except Exception as e:  # a method may be anybody's, and raise anything
+        file = run.folder / "error.txt"
+        file.write_text(traceback.format_exc())
+        raise UserError(f"{run.identity['method']}: fit raised {type(e).__name__}: {e}; the traceback is in {file}") from e
+
+
+def evaluate(trained: Run, scene: str, preset: Preset, store: RunStore) -> Run:
+    """Roll a trained method out on a scene, ask it for single steps, and measure both.
+
+    Returns:
+        The finished run. Its folder holds rollout.h5 and recording.rrd; its results are `rows` (metric, horizon, value,
+        unit ...), `status` and `first_bad_frame`. A method that fails or diverges has a finished run that says so.
+
+    Raises:
+        UserError: The training is not finished, or the scene is wrong.
+    """
+    from garmentbench import evaluation, rollout
+    from garmentbench.recording import write_recording
+
+    _ = trained.results  # says so where the training is not finished
+    method = load_method(trained.identity["method"])
+    path = make_sequence(scene, preset)
+    about = ("method", "variant", "train_scene", "train_frames", "seed")
+    identity = {key: trained.identity[key] for key in about} | {
+        "trained": trained.id,
+        "scene": scene,
+        "preset": preset.name,
+        "data": sequence_file.content_hash(path),
+        "code": fingerprint(method.__module__, "garmentbench.rollout", "garmentbench.evaluation"),
+        "device": device_name(),
+    }
+    with store.open("evaluate", identity) as run:
+        if not run.finished:
+            sequence = sequence_file.load(path)
+            learnt = method.load(trained.folder / "method")
+            roll = rollout.roll_out(learnt, sequence)
+            rows = evaluation.evaluate(roll, rollout.one_step(learnt, sequence), sequence)
+            rollout.save(roll, run.folder / "rollout.h5")
+            write_recording(run.folder / "recording.rrd", sequence, roll, f"{trained.identity['method']} on {scene}")
+            run.finish({"rows": rows, "status": roll.status, "first_bad_frame": roll.first_bad_frame})
+    return store.get(run.id)
