@@ -1,0 +1,26 @@
+"""Motions: how what a garment is worn by moves, the warm-up before frame 0 included."""
+
+from garmentbench.motion.animation import Animation
+from garmentbench.motion.gait import GAITS
+from garmentbench.motion.human import animate_human
+from garmentbench.motion.stick import animate_stick, stick_motions
+from garmentbench.presets import Preset
+from garmentbench.scene import Scene
+
+__all__ = ["Animation", "animate", "motion_names"]
+
+
+def motion_names() -> list[str]:
+    """Names of all motions, the human's and the stick's."""
+    return sorted([*GAITS, *stick_motions()])
+
+
+def animate(scene: Scene, preset: Preset) -> Animation:
+    """The body of a scene in its motion: warm-up, then the scene's frames, at most the preset's limit.
+
+    Raises `UsageError` for an unknown body, or a motion that this body does not have.
+    """
+    frames = scene.frames if preset.frame_limit is None else min(scene.frames, preset.frame_limit)
+    if scene.body == "stick":
+        return animate_stick(scene, frames)
+    return animate_human(scene, preset.body_size, frames)

@@ -1,0 +1,30 @@
+"""Smooth steps, from which motions are put together."""
+
+import numpy as np
+
+
+def smoothstep(u: np.ndarray | float) -> np.ndarray:
+    """From 0 to 1 for u from 0 to 1, constant outside, C2 everywhere: 6 u^5 - 15 u^4 + 10 u^3."""
+    u = np.clip(u, 0.0, 1.0)
+    return u**3 * (u * (6 * u - 15) + 10)
+
+
+def rolling_start(u: np.ndarray | float) -> np.ndarray:
+    """0 before u = -1, u after u = 1, C2: the path of something that gets from standstill to speed 1."""
+    v = np.clip((np.asarray(u) + 1) / 2, 0.0, 1.0)
+    return np.where(np.asarray(u) > 1, u, 2 * v**3 - v**4)  # the integral of the step 3 v^2 - 2 v^3
+
+
+def bump(u: np.ndarray) -> np.ndarray:
+    """From 0 at u = 0 over 1 at u = 1/2 to 0 at u = 1, 0 outside, C1."""
+    u = np.clip(u, 0.0, 1.0)
+    return 16 * (u * (1 - u)) ** 2
+
+
+def cyclic_steps(phase: np.ndarray, steps: tuple[tuple[float, float, float], ...]) -> np.ndarray:
+    """Sum of smooth steps (from phase, to phase, amount) that come again in each cycle; periodic if they sum to 0."""
+    total = np.zeros_like(phase)
+    for start, stop, amount in steps:
+        cycle = np.floor(phase - start)
+        total += amount * (cycle + smoothstep((phase - start - cycle) / (stop - start)))
+    return total

@@ -1,0 +1,69 @@
+"""What tells one walk from another."""
+
+from dataclasses import dataclass, replace
+
+from garmentbench.errors import unknown_name
+
+
+@dataclass(frozen=True)
+class Gait:
+    """A walk. Angles in degrees, lengths in metres; a cycle is two steps, its phase 0 the left heel's strike.
+
+    Attributes:
+        arm_space: Angle of the upper arms off the hanging line, to the side.
+        period: Length of a cycle [s].
+        stride: Distance covered in a cycle; the speed is stride / period.
+        step_width: Distance between the lines that the two ankles walk on.
+        arm_swing: Amplitude of the upper arm's swing, forward and back.
+        elbow: Mean bend of the elbow.
+        hip_sway: Amplitude of the pelvis' list towards the swinging leg.
+        side_sway: Amplitude of the pelvis' path to the side.
+        pelvis_turn: Amplitude of the pelvis' turn about the vertical; the chest turns against it.
+        lean: Forward lean of the trunk.
+        bob: Amplitude of the rise and fall of the pelvis.
+        heel_strike: Pitch of the foot, toes up, when the heel strikes.
+        push_off: Pitch of the foot, heel up, when the toes leave the ground.
+    """
+
+    arm_space: float
+    period: float = 1.1
+    stride: float = 1.35
+    step_width: float = 0.13
+    arm_swing: float = 18.0
+    elbow: float = 22.0
+    hip_sway: float = 3.5
+    side_sway: float = 0.02
+    pelvis_turn: float = 5.0
+    lean: float = 3.0
+    bob: float = 0.018
+    heel_strike: float = 18.0
+    push_off: float = 55.0
+
+
+WALK = Gait(arm_space=20.0)
+
+# The numbers of "armspace" are settings of the paper's source of motions (Mixamo), not degrees.
+GAITS = {
+    "armspace-60": replace(WALK, arm_space=12.0),
+    "armspace-75": WALK,
+    "armspace-90": replace(WALK, arm_space=28.0),
+    "catwalk": replace(
+        WALK, arm_space=15.0, period=1.2, stride=1.4, step_width=0.05, arm_swing=16.0, elbow=14.0,
+        hip_sway=8.0, side_sway=0.03, pelvis_turn=8.0, lean=-1.0,
+    ),
+    "strut": replace(
+        WALK, arm_space=24.0, period=1.0, stride=1.35, arm_swing=30.0, elbow=38.0, hip_sway=5.0,
+        pelvis_turn=8.0, lean=-4.0, bob=0.026,
+    ),
+    "fast": replace(
+        WALK, arm_space=18.0, period=0.8, stride=1.42, arm_swing=28.0, elbow=65.0, pelvis_turn=7.0, lean=7.0,
+        heel_strike=22.0, push_off=62.0,
+    ),
+}
+
+
+def gait(name: str) -> Gait:
+    """The gait of that name. Raises `UsageError` with the nearest name."""
+    if name not in GAITS:
+        raise unknown_name("motion", name, list(GAITS))
+    return GAITS[name]

@@ -1,0 +1,71 @@
+"""Legs from where the hip and the ankle are: two-bone inverse kinematics, in closed form."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from garmentbench.bodies import BakedBody
+
+
+@dataclass(frozen=True)
+class Leg:
+    """A leg's rest directions and lengths [m].
+
+    Attributes:
+        thigh, calf: Rest frames of the bones, columns: direction, hinge axis of the knee, and across both; (3, 3).
+        lengths: Of thigh and calf [m].
+        knee: Rest direction in which the knee points, across the line from hip to ankle, shape (3,).
+    """
+
+    thigh: np.ndarray
+    calf: np.ndarray
+    lengths: tuple[float, float]
+    knee: np.ndarray
+
+    @property
+    def reach(self) -> float:
+        """Length of the stretched leg [m]."""
+        return sum(self.lengths)
+
+
+def rest_leg(baked: BakedBody, side: str) -> Leg:
+    """The leg of `side` ("L", "R") in the rest pose."""
+    hip, knee, ankle = (baked.joints[baked.joint_names.index(f"{name}.{side}")] for name in ("thigh", "calf", "foot"))
+    line = unit(ankle - hip)
+    forward = unit(knee - hip - np.dot(knee - hip, line) * line)
+    hinge = np.cross(forward, line)
+    frames = [_frame(unit(end - start), hinge) for start, end in ((hip, knee), (knee, ankle))]
+    return Leg(*frames, (np.linalg.norm(knee - hip), np.linalg.norm(ankle - knee)), forward)
+
+
+def solve_leg(leg: Leg, hip: np.ndarray, ankle: np.ndarray, knee: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """World-oriented rotations of thigh and calf that take the ankle to its place.
+
+    Args:
+        leg: The leg at rest.
+        hip: Hip [m], shape (T, 3).
+        ankle: Ankle [m], shape (T, 3), no further than the leg's reach.
+        knee: Direction in which the knee points, roughly, shape (T, 3).
+
+    Returns:
+        Two arrays of shape (T, 3, 3).
+    """
+    thigh_length, calf_length = leg.lengths
+    distance = np.linalg.norm(ankle - hip, axis=-1, keepdims=True)
+    line = (ankle - hip) / distance
+    forward = unit(knee - np.sum(knee * line, axis=-1, keepdims=True) * line)
+    along = (distance**2 + thigh_length**2 - calf_length**2) / (2 * distance)
+    knee_point = along * line + np.sqrt(thigh_length**2 - along**2) * forward
+    hinge = np.cross(forward, line)
+    thigh = _frame(unit(knee_point), hinge) @ leg.thigh.T
+    calf = _frame(unit(distance * line - knee_point), hinge) @ leg.calf.T
+    return thigh, calf
+
+
+def unit(vector: np.ndarray) -> np.ndarray:
+    """Vectors of length 1 along the last axis."""
+    return vector / np.linalg.norm(vector, axis=-1, keepdims=True)
+
+
+def _frame(direction: np.ndarray, hinge: np.ndarray) -> np.ndarray:
+    return np.stack([direction, hinge, np.cross(direction, hinge)], axis=-1)

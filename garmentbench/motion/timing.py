@@ -1,0 +1,57 @@
+"""Which phase of the walk a frame shows: the start, the speed and the standstill."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from garmentbench.motion.easing import smoothstep
+from garmentbench.motion.gait import Gait
+from garmentbench.scene import Motion
+
+WARM_UP = 60  # frames before frame 0
+START = -0.14  # phase at which the right heel comes off the ground
+FREEZE_TIME = 0.3  # seconds in which a body comes to a standstill
+_LIKED = 1.6  # final speed of the phase over its mean in the warm-up; monotone from 0 to 2.5
+
+
+@dataclass(frozen=True)
+class Timing:
+    """When what happens, one value a frame, shape (WARM_UP + T,).
+
+    Attributes:
+        phase: Phase of the walk; a whole number at frame 0.
+        dressed: From 0 (the rest pose) to 1 (fully walking).
+        shape: From 0 (the base shape, which garments are made for) to 1 (the scene's own).
+    """
+
+    phase: np.ndarray
+    dressed: np.ndarray
+    shape: np.ndarray
+
+
+def timing(gait: Gait, motion: Motion, frames: int, fps: float) -> Timing:
+    """The timing of `frames` frames and their warm-up."""
+    rate = motion.speed / (gait.period * fps)  # cycles a frame
+    before = np.arange(WARM_UP)
+    start = _start(before / WARM_UP, rate * WARM_UP)
+    phase = round(start[-1] + rate) + rate * _played(np.arange(frames), motion.freeze_after, fps)
+    return Timing(
+        phase=np.concatenate([start, phase]),
+        dressed=smoothstep(np.arange(WARM_UP + frames) / (0.5 * WARM_UP)),
+        shape=smoothstep(np.arange(WARM_UP + frames) / 25),
+    )
+
+
+def _start(u: np.ndarray, rate: float) -> np.ndarray:
+    """Phase from a standstill at START, u = 0, to a whole number at `rate` at u = 1; C2."""
+    cycles = max(1, round(rate / _LIKED + START)) - START
+    return START + cycles * smoothstep(u) + rate * u**3 * (u * (7 - 3 * u) - 4)
+
+
+def _played(frame: np.ndarray, freeze_after: int | None, fps: float) -> np.ndarray:
+    """Frames of the walk that have been played at each frame: as many, until the freeze stops them; C2."""
+    if freeze_after is None:
+        return frame.astype(np.float64)
+    length = FREEZE_TIME * fps
+    v = np.clip((frame - freeze_after) / length, 0.0, 1.0)
+    return np.minimum(frame, freeze_after) + length * (v - v**3 + v**4 / 2)  # the integral of 1 - (3 v^2 - 2 v^3)
