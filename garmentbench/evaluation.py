@@ -1,0 +1,97 @@
+"""All metrics of a roll-out, as rows for results.csv."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from garmentbench.metrics import METRICS
+from garmentbench.metrics.interpenetration import interpenetration
+from garmentbench.metrics.interpenetration_strict import depth_p95, interpenetration_strict, signed_distances
+from garmentbench.metrics.jitter import jitter
+from garmentbench.metrics.l2 import frame_l2
+from garmentbench.metrics.liveliness import liveliness
+from garmentbench.metrics.ms_per_frame import time_per_frame
+from garmentbench.metrics.stable_frames import stable_frames
+from garmentbench.metrics.strain import strain_p95
+from garmentbench.rollout import OK, RollOut
+from garmentbench.sequence import Sequence
+
+SHORT_HORIZON = 50  # of the paper's Table 3; its other one is the whole sequence
+
+
+def evaluate(roll: RollOut, one: RollOut | None, sequence: Sequence) -> list[dict]:
+    """Rows of all metrics that the scene needs.
+
+    A metric over the whole roll-out is NaN when it ended early; what could be computed stays.
+
+    Returns:
+        Dictionaries with metric, horizon [frames], value, unit, reference_value (the reference's own, or None),
+        uncertainty [cm] (of l2's, or None), status and first_bad_frame (of the roll-out).
+    """
+    error = frame_l2(roll.garment, sequence.garment)[roll.start :]
+    rows = [_row(roll, "rollout_l2", h, _mean(error, h), None, sequence.uncertainty_cm) for h in _horizons(sequence, roll)]
+    if one is not None:
+        value = _mean(frame_l2(one.garment, sequence.garment)[one.start :], len(sequence))
+        rows.append(_row(one, "one_step_l2", 1, value, None, sequence.uncertainty_cm))
+    whole = len(sequence)
+    rows.append(_row(roll, "stable_frames", whole, float(stable_frames(error))))
+    for name, (value, reference) in _measures(roll, sequence).items():
+        rows.append(_row(roll, name, whole, value, reference))
+    simulation = sequence.info.get("simulation", {}).get("ms_per_frame")
+    for name, value in time_per_frame(roll.ms).items():
+        rows.append(_row(roll, name, whole, value, simulation if name == "ms_per_frame" else None))
+    return rows
+
+
+def _row(
+    roll: RollOut, metric: str, horizon: int, value: float, reference: float | None = None, uncertainty: float | None = None
+) -> dict:
+    return {
+        "metric": metric,
+        "horizon": horizon,
+        "value": value,
+        "unit": METRICS[metric].unit,
+        "reference_value": reference,
+        "uncertainty": uncertainty,
+        "status": roll.status,
+        "first_bad_frame": roll.first_bad_frame,
+    }
+
+
+def _horizons(sequence: Sequence, roll: RollOut) -> list[int]:
+    """The short horizon, where there is more than that, and the length of the sequence."""
+    predicted = len(sequence) - roll.start
+    return [SHORT_HORIZON, len(sequence)] if predicted > SHORT_HORIZON else [len(sequence)]
+
+
+def _mean(error: np.ndarray, horizon: int) -> float:
+    return float(error[:horizon].mean())
+
+
+def _measures(roll: RollOut, sequence: Sequence) -> dict[str, tuple[float, float | None]]:
+    """Values of the metrics of the whole roll-out that need its shape, each with the reference's own."""
+    template, frames, garment = sequence.template, slice(roll.start, None), sequence.template.garment
+    reference, body = sequence.garment[frames], None if sequence.body is None else sequence.body[frames]
+    predicted = roll.garment[frames] if roll.status == OK else None
+
+    def both(measure: Callable[[np.ndarray], float]) -> tuple[float, float]:
+        return math.nan if predicted is None else measure(predicted), measure(reference)
+
+    values = {
+        "strain_p95": both(lambda x: strain_p95(x, garment.rest, garment.faces)),
+        "jitter": both(lambda x: jitter(x, reference, template.fps)),
+        "liveliness": both(lambda x: liveliness(x, reference, body, garment.rest, garment.faces)),
+    }
+    if template.needs.body:
+        faces = template.body.faces
+        values["interpenetration"] = both(lambda x: interpenetration(x, body, faces))
+        if roll.before_collision is not None:
+            before = roll.before_collision[frames]
+            before = np.where(np.isfinite(before), before, roll.garment[frames])  # frames that needed no collision stage
+            percent = math.nan if predicted is None else interpenetration(before, body, faces)
+            values["interpenetration_before"] = (percent, values["interpenetration"][1])
+        distances = [None if x is None else signed_distances(x, body, faces) for x in (predicted, reference)]
+        for name, measure in (("interpenetration_strict", interpenetration_strict), ("depth_p95", depth_p95)):
+            values[name] = tuple(math.nan if d is None else measure(d) for d in distances)
+    return values

@@ -1,0 +1,38 @@
+"""The methods, by the names that the tables use. A method's module is imported only when it is asked for."""
+
+import importlib
+from importlib.metadata import entry_points
+
+from garmentbench.errors import UsageError, unknown_name
+
+METHODS = {
+    "skinning": "methods.skinning:Skinning",
+    "hold": "methods.hold:Hold",
+    "constant_velocity": "methods.constant_velocity:ConstantVelocity",
+    "linear_subspace": "methods.linear_subspace:LinearSubspace",
+    "motion_guided": "methods.motion_guided:MotionGuided",
+}
+ENTRY_POINTS = "garmentbench.methods"  # the group by which an installed package offers its methods
+
+
+def method_names() -> dict[str, str]:
+    """Names of all methods and their "module:Class", those of installed packages among them."""
+    return {e.name: e.value for e in entry_points(group=ENTRY_POINTS)} | METHODS
+
+
+def load_method(name: str) -> type:
+    """The class of a method by its name, or by "module:Class".
+
+    Raises `UsageError`, with the nearest name, for an unknown one, and for what can't be imported.
+    """
+    known = method_names()
+    target = name if ":" in name else known.get(name)
+    if target is None:
+        raise unknown_name("method", name, list(known))
+    module, _, attribute = target.partition(":")
+    try:
+        return getattr(importlib.import_module(module), attribute)
+    except ModuleNotFoundError as e:
+        raise UsageError(f"method '{name}': no module named '{e.name}'; install the package that has it") from e
+    except AttributeError as e:
+        raise UsageError(f"method '{name}': {e}; wanted \"module:Class\"") from e

@@ -1,0 +1,60 @@
+"""Linear blend skinning of a garment by seed points on the body, with fixed weights: what the baselines share."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from garmentbench.geometry.seeds import SeedPoints, seed_frames, seed_points, select_seeds
+from garmentbench.sequence import Template
+
+RADIUS = 0.05  # [m] of the Gaussian kernel, where the paper's learnt radii start
+
+
+@dataclass(frozen=True)
+class Skin:
+    """How a garment is carried by a body.
+
+    Attributes:
+        seeds: N seed points; None where there is no body, then the garment is carried by nothing (N is 1).
+        weights: Blend weights, rows sum to 1, shape (V, N), float32.
+        rest: The garment's rest shape [m], shape (V, 3), float32.
+    """
+
+    seeds: SeedPoints | None
+    weights: np.ndarray
+    rest: np.ndarray
+
+    @classmethod
+    def of(cls, template: Template, count: int, vertices: np.ndarray | None = None) -> "Skin":
+        """A skin of at most `count` seed points, or of given body `vertices`, shape (N,).
+
+        Weights are a softmax over the seeds of -d^2 / (2 radius^2), d between rest garment and rest seed (equation 2 of
+        Zhang et al. 2022, on the rest garment and with one radius).
+        """
+        rest, body = template.garment.rest, template.body
+        if body is None:
+            return cls(None, np.ones((len(rest), 1), np.float32), rest)
+        seeds = select_seeds(template, count) if vertices is None else seed_points(body.rest, body.faces, vertices)
+        squared = np.sum((rest[:, None] - seeds.rest[None]) ** 2, axis=-1)
+        kernel = np.exp((squared.min(axis=1, keepdims=True) - squared) / (2 * RADIUS**2))
+        return cls(seeds, (kernel / kernel.sum(axis=1, keepdims=True)).astype(np.float32), rest)
+
+    def blend(self, body: np.ndarray | None) -> np.ndarray:
+        """Affine map of each vertex from the canonical pose to that of a body [m], shape (B, 3); shape (V, 3, 4)."""
+        if self.seeds is None:
+            maps = np.eye(3, 4, dtype=np.float32)[None]
+        else:
+            position, rotation, _ = seed_frames(body, self.seeds)
+            offset = position - np.einsum("nab,nb->na", rotation, self.seeds.rest)
+            maps = np.concatenate([rotation, offset[..., None]], axis=-1)
+        return (self.weights @ maps.reshape(-1, 12).astype(np.float32)).reshape(-1, 3, 4)
+
+
+def place(maps: np.ndarray, canonical: np.ndarray) -> np.ndarray:
+    """Canonical positions [m], shape (V, 3), carried by affine maps, shape (V, 3, 4)."""
+    return np.einsum("vab,vb->va", maps[..., :3], canonical) + maps[..., 3]
+
+
+def lift(maps: np.ndarray, positions: np.ndarray) -> np.ndarray:
+    """The canonical positions [m], shape (V, 3), that `place` carries to `positions`."""
+    return np.linalg.solve(maps[..., :3], (positions - maps[..., 3])[..., None])[..., 0]

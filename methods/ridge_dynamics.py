@@ -1,0 +1,85 @@
+"""Linear dynamics of codes, z_t = A [z_t-1, z_t-2] + B f_t + c, by ridge regression in closed form."""
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+STRENGTHS = tuple(10.0 ** np.arange(-6, 1))  # of the ridge, relative to the largest variance among the inputs
+_HELD_OUT = 0.25  # of the frames, the last ones
+_TOLERANCE = 1.05  # the strongest ridge whose held-out error is within this factor of the least is taken
+
+
+@dataclass(frozen=True)
+class Subspace:
+    """A PCA basis. mean: shape (D,). basis: orthonormal rows, shape (K, D)."""
+
+    mean: np.ndarray
+    basis: np.ndarray
+
+    @classmethod
+    def of(cls, samples: np.ndarray, count: int) -> "Subspace":
+        """The first `count` principal components of samples, shape (T, D)."""
+        mean = samples.mean(axis=0)
+        return cls(mean, np.linalg.svd(samples - mean, full_matrices=False)[2][:count])
+
+    def encode(self, samples: np.ndarray) -> np.ndarray:
+        """Codes, shape (..., K), of samples, shape (..., D)."""
+        return (samples - self.mean) @ self.basis.T
+
+    def decode(self, codes: np.ndarray) -> np.ndarray:
+        """Samples, shape (..., D), of codes, shape (..., K)."""
+        return self.mean + codes @ self.basis
+
+
+def fit_dynamics(z: np.ndarray, f: np.ndarray) -> np.ndarray:
+    """The map from [z_t-1, z_t-2, f_t, 1] to z_t, shape (2 K + Q + 1, K).
+
+    How strongly A and B are held small is chosen by a free roll-out over the last quarter of the frames, after a fit to
+    the rest; maps whose dynamics grow (spectral radius of A at least 1) are left out. The map is then fitted to all.
+
+    Args:
+        z: Codes, shape (T, K).
+        f: The input of each frame, shape (T, Q).
+    """
+    cut = int(len(z) * (1 - _HELD_OUT))
+    error = {}
+    for strengths in product(STRENGTHS, STRENGTHS):
+        dynamics = _ridge(z[:cut], f[:cut], *strengths)
+        if _spectral_radius(dynamics, z.shape[1]) < 1:
+            error[strengths] = np.linalg.norm(_roll_out(dynamics, z, f, cut) - z[cut:], axis=1).mean()
+    near_best = [s for s, e in error.items() if e <= _TOLERANCE * min(error.values())]
+    return _ridge(z, f, *max(near_best, key=lambda s: s[0] * s[1]))
+
+
+def advance(dynamics: np.ndarray, last: np.ndarray, before: np.ndarray, f: np.ndarray) -> np.ndarray:
+    """The next code, shape (K,), from the last one, the one before it, and the input."""
+    return np.concatenate([last, before, f, [1.0]]) @ dynamics
+
+
+def _ridge(z: np.ndarray, f: np.ndarray, on_codes: float, on_input: float) -> np.ndarray:
+    inputs, target = np.concatenate([z[1:-1], z[:-2], f[2:]], axis=1), z[2:]
+    x_mean, y_mean = inputs.mean(axis=0), target.mean(axis=0)
+    x, y, split = inputs - x_mean, target - y_mean, 2 * z.shape[1]
+    gram = x.T @ x
+    scale = np.diag(gram)
+    weight = np.full(len(gram), on_codes * scale[:split].max())
+    weight[split:] = on_input * scale[split:].max(initial=0.0)
+    linear = np.linalg.solve(gram + np.diag(weight), x.T @ y)
+    return np.concatenate([linear, (y_mean - x_mean @ linear)[None]])
+
+
+def _roll_out(dynamics: np.ndarray, z: np.ndarray, f: np.ndarray, start: int) -> np.ndarray:
+    """Codes from `start` on, shape (T - start, K)."""
+    codes = [z[start - 2], z[start - 1]]
+    for inputs in f[start:]:
+        codes.append(advance(dynamics, codes[-1], codes[-2], inputs))
+    return np.array(codes[2:])
+
+
+def _spectral_radius(dynamics: np.ndarray, count: int) -> float:
+    """Of [z_t-1, z_t-2] -> [z_t, z_t-1]."""
+    companion = np.zeros((2 * count, 2 * count))
+    companion[:, :count] = dynamics[: 2 * count]
+    companion[:count, count:] = np.eye(count)
+    return float(np.abs(np.linalg.eigvals(companion)).max())
