@@ -8,9 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 import warp as wp
 
+from garmentbench.geometry.mesh import vertex_normals
+
 SKIN = (0.62, 0.62, 0.64)
 CLOTH = (0.27, 0.50, 0.74)
 BACKGROUND = (1.0, 1.0, 1.0)
+ERROR_COLOURS = "YlOrRd"
 ERROR_SCALE_CM = 5.0  # error colours run from 0 to this, in every picture and recording
 
 VIEWS = {"front": 0.0, "three-quarter": 35.0, "side": 90.0, "back": 180.0}  # camera's turn round the body [degrees]
@@ -38,10 +41,14 @@ class RenderMesh:
 
 
 def error_colours(error_cm: np.ndarray) -> np.ndarray:
-    """Colours of errors [cm], shape (V,), on the fixed scale 0 to `ERROR_SCALE_CM` (viridis); shape (V, 3), sRGB."""
+    """Colours of errors [cm], shape (...), on the fixed scale: pale yellow 0, dark red `ERROR_SCALE_CM` or more.
+
+    Returns:
+        sRGB in [0, 1], shape (..., 3).
+    """
     from matplotlib import colormaps
 
-    return colormaps["viridis"](np.clip(error_cm / ERROR_SCALE_CM, 0.0, 1.0))[:, :3]
+    return colormaps[ERROR_COLOURS](np.clip(error_cm / ERROR_SCALE_CM, 0.0, 1.0))[..., :3]
 
 
 def bounds(*clouds: np.ndarray, margin: float = 0.03) -> np.ndarray:
@@ -81,7 +88,7 @@ def render(
     with wp.ScopedDevice("cpu"):
         mesh = wp.Mesh(wp.array(vertices - centre, dtype=wp.vec3), wp.array(faces.ravel(), dtype=wp.int32))
         arrays = [
-            wp.array(_vertex_normals(vertices, faces), dtype=wp.vec3),
+            wp.array(vertex_normals(vertices, faces), dtype=wp.vec3),
             wp.array(np.power(colours, _GAMMA).astype(np.float32), dtype=wp.vec3),
             wp.array(cloth, dtype=wp.int32),
         ]
@@ -103,18 +110,6 @@ def _camera(box: np.ndarray, azimuth: float, size: tuple[int, int]) -> tuple[np.
     r, u, f = axes @ corners.T
     distance = max((np.abs(r) / tangents[0] - f).max(), (np.abs(u) / tangents[1] - f).max())
     return centre - distance * forward, axes, tangents
-
-
-def _vertex_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Area-weighted vertex normals, shape (V, 3), float32."""
-    a, b, c = (vertices[faces[:, i]] for i in range(3))
-    face_normals = np.cross(b - a, c - a)
-    normals = np.stack([_gather(faces, face_normals[:, k], len(vertices)) for k in range(3)], axis=1)
-    return (normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)).astype(np.float32)
-
-
-def _gather(faces: np.ndarray, values: np.ndarray, count: int) -> np.ndarray:
-    return np.bincount(faces.ravel(), np.repeat(values, 3), minlength=count)
 
 
 @wp.func
