@@ -126,7 +126,7 @@ def test_a_truncated_recording_is_told_from_a_whole_one(path, sequence):
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
     with pytest.raises(UserError, match="recording.rrd: cut short, or not a recording"):
         check_recording(path)
-    with pytest.raises(UserError, match="no recording"):
+    with pytest.raises(UserError, match="no such recording"):
         check_recording(path.with_name("other.rrd"))
 
 
