@@ -5,7 +5,9 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from evals.jobs import Failure
 from garmentbench.atomic import write_text
+from garmentbench.presets import Preset
 from garmentbench.scene import Scene
 
 COLUMNS = (
@@ -14,11 +16,11 @@ COLUMNS = (
 ).split()
 
 
-def line_columns(experiment: str, preset: str, scene: Scene, method: str, variant: str, train_frames: int | None, seed: int) -> dict:
+def about(table: str, preset: Preset, scene: Scene, method: str, variant: str, train_frames: int | None, seed: int) -> dict:
     """The columns that say what a row is about."""
     return {
-        "preset": preset,
-        "experiment": experiment,
+        "preset": preset.name,
+        "experiment": table,
         "scene": scene.name,
         "split": scene.split,
         "garment": scene.garment,
@@ -31,9 +33,9 @@ def line_columns(experiment: str, preset: str, scene: Scene, method: str, varian
     }
 
 
-def failed_row(columns: dict, message: str) -> dict:
+def failed_row(columns: dict, failure: Failure) -> dict:
     """The row of a line that could not be computed at all: it stays in the tables, with its status."""
-    return columns | {"metric": "rollout_l2", "value": math.nan, "unit": "cm", "status": "failed", "run_id": f"({message})"}
+    return columns | {"metric": "rollout_l2", "value": math.nan, "unit": "cm", "status": "failed", "run_id": f"({failure.message})"}
 
 
 def with_skill(rows: list[dict]) -> list[dict]:

@@ -3,17 +3,20 @@
 import os
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from evals import EXPERIMENTS
 from evals.experiment import Entry, Experiment
 from evals.jobs import Failure, Job, run_jobs, worker_count
-from evals.rows import result_rows, write_results
+from evals.rows import about, failed_row, write_results
+from evals.stability import UNSTRESSED, method_measures, simulator_measures
 from garmentbench import work
 from garmentbench.errors import UserError, unknown_name
 from garmentbench.paths import REPORTS, RUNS
 from garmentbench.presets import Preset
-from garmentbench.runs import RunStore
-from garmentbench.scene import load_scene
+from garmentbench.rollout import RollOut
+from garmentbench.runs import Run, RunStore
+from garmentbench.scene import Scene, load_scene
 
 
 @dataclass(frozen=True)
@@ -51,7 +54,7 @@ def run(names: list[str], preset: Preset, seeds: int, data_only: bool = False) -
     if not data_only:
         from garmentbench.report import make_report
 
-        write_results(REPORTS / preset.name, [row for line in lines for row in result_rows(line, preset, results)])
+        write_results(REPORTS / preset.name, [row for line in lines for row in _rows(line, preset, results)])
         make_report(preset.name, REPORTS, RUNS)
         print(f"report: {REPORTS / preset.name / 'index.html'}")
     failed = [r for r in results.values() if isinstance(r, Failure)]
@@ -112,3 +115,35 @@ def _train(_: Path, entry: Entry, scene: str, preset: Preset, seed: int) -> str:
 def _evaluate(trained: str, _: Path, scene: str, preset: Preset) -> str:
     store = RunStore()
     return work.evaluate(store.get(trained), scene, preset, store).id
+
+
+def _rows(line: Line, preset: Preset, results: dict) -> list[dict]:
+    """The rows of results.csv for one line: what its run measured, or that it failed."""
+    scene, table, entry = load_scene(line.scene), line.experiment.table, line.entry
+    simulated = results[("sequence", line.scene)]
+    if entry is None:
+        columns = about(table, preset, scene, "reference", "full", None, 0)
+        unstressed = results[("sequence", UNSTRESSED)]
+        failure = _first_failure(simulated, unstressed)
+        return [failed_row(columns, failure)] if failure else [columns | r for r in simulator_measures(scene, simulated, unstressed)]
+    frames = min(entry.train_frames, preset.frame_limit or entry.train_frames)
+    columns = about(table, preset, scene, entry.method, entry.label, frames, line.seed)
+    failure = _first_failure(simulated, results[line.trained], results[line.evaluated])
+    if failure:
+        return [failed_row(columns, failure)]
+    run = RunStore().get(results[line.evaluated])
+    measured = run.results["rows"]
+    if line.experiment.simulator:
+        measured = measured + _stress_rows(scene, simulated, run, results.get(("evaluate", line.trained, UNSTRESSED)))
+    return [columns | row | {"run_id": run.id} for row in measured]
+
+
+def _stress_rows(scene: Scene, simulated: Path, run: Run, unstressed: str | Failure) -> list[dict]:
+    if isinstance(unstressed, Failure):
+        return []
+    plain = RunStore().get(unstressed).folder / "rollout.h5"
+    return method_measures(scene, simulated, RollOut.load(run.folder / "rollout.h5"), RollOut.load(plain))
+
+
+def _first_failure(*results: Any) -> Failure | None:
+    return next((r for r in results if isinstance(r, Failure)), None)
