@@ -1,0 +1,78 @@
+"""The canonical pose: all that a trained model keeps of the template that it was trained on."""
+
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from garmentbench.atomic import written_whole
+from garmentbench.errors import UserError
+from garmentbench.geometry.mesh import edge_lengths, unique_edges
+from garmentbench.geometry.seeds import SeedPoints, select_seeds
+from garmentbench.sequence import Template
+
+
+@dataclass(frozen=True)
+class Canonical:
+    """Garment and seed points in the canonical pose.
+
+    Attributes:
+        rest: g_0 [m], shape (V, 3).
+        faces: Garment triangles, shape (F, 3).
+        uv: UV coordinates, shape (V, 2).
+        seams: Pairs of vertices that are one point of cloth, shape (S, 2).
+        seeds: The seed points. Their labels count only where the scene needs a radius per part, else they are None.
+        body_size: Vertices of the body.
+    """
+
+    rest: np.ndarray
+    faces: np.ndarray
+    uv: np.ndarray
+    seams: np.ndarray
+    seeds: SeedPoints
+    body_size: int
+
+    @classmethod
+    def of(cls, template: Template, seed_count: int) -> "Canonical":
+        """From a training template. Raises `UserError` where there is no body to be relative to."""
+        if template.body is None:
+            raise UserError("motion_guided describes a garment relative to a body, and this scene has none; "
+                            "train it on a scene with a body or an object")
+        g, seeds = template.garment, select_seeds(template, seed_count)
+        if not template.needs.part_radii:
+            seeds = SeedPoints(**{**vars(seeds), "labels": None})
+        return cls(g.rest, g.faces, g.uv, g.seams, seeds, len(template.body.rest))
+
+    @property
+    def edges(self) -> tuple[np.ndarray, np.ndarray]:
+        """Mesh edges and seam pairs, shape (E + S, 2), and rest lengths [m], 0 at a seam, shape (E + S,)."""
+        edges = unique_edges(self.faces)
+        lengths = np.concatenate([edge_lengths(self.rest, edges), np.zeros(len(self.seams))])
+        return np.concatenate([edges, self.seams]), lengths
+
+    def check_fits(self, template: Template) -> None:
+        """Raise `UserError` unless the template has the same garment and a body of the same mesh."""
+        bodies = 0 if template.body is None else len(template.body.rest)
+        if len(template.garment.rest) != len(self.rest) or bodies != self.body_size:
+            raise UserError(
+                f"this model was trained on a garment of {len(self.rest)} vertices and a body of {self.body_size}; the "
+                f"scene has {len(template.garment.rest)} and {bodies}; use a scene of the same garment, preset and body mesh"
+            )
+
+    def save(self, path: Path) -> None:
+        """Write to an npz file, whole."""
+        seeds = {f"seed_{k}": v for k, v in asdict(self.seeds).items() if v is not None}
+        garment = {k: v for k, v in vars(self).items() if k != "seeds"}
+        with written_whole(path) as partial, partial.open("wb") as file:
+            np.savez(file, **garment, **seeds)
+
+    @classmethod
+    def load(cls, path: Path) -> "Canonical":
+        """Read what `save` wrote."""
+        with np.load(path, allow_pickle=False) as z:
+            seeds = {k.removeprefix("seed_"): z[k] for k in z.files if k.startswith("seed_")}
+            return cls(
+                *(z[k] for k in ("rest", "faces", "uv", "seams")),
+                seeds=SeedPoints(**{"labels": None, **seeds}),
+                body_size=int(z["body_size"]),
+            )

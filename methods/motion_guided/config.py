@@ -1,0 +1,208 @@
+"""All that can be chosen about the model, the three sizes, and the ablations.
+
+Defaults are the paper's. Where paper and code disagree, and where we depart from both so that a small model trains
+in minutes, the field says so. Options are grouped by the stage that they decide, so that what an ablation does not
+change is shared.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields, is_dataclass, replace
+from typing import Any
+
+from garmentbench.errors import unknown_name
+
+
+@dataclass(frozen=True)
+class Model:
+    """The generative model of section 4, and the sizes that all blocks share."""
+
+    map_size: int = 128
+    """Pixels a side of the encoders' UV maps, a power of two; D's map has twice as many."""
+    width: int = 128
+    """Channels of a feature map; all other widths are in proportion to it."""
+    mlp_width: int = 64
+    """Channels of R's hidden layers."""
+    latent: int = 64
+    """Length of a latent code."""
+    seeds: int = 581
+    """Seed points on the body."""
+    dynamic_weights: bool = True
+    """Blend weights from the displaced canonical vertices; False: from the rest garment, fixed over time (figure 7)."""
+    seed_rotation: str = "frame"
+    """"frame": the seed's full tangent frame turns it (the paper's "known rotation"); "normal": the smallest rotation
+    that carries the canonical normal to the present one (the code), which loses twist."""
+    output_scale: float = 1.0
+    """Displacement [m] that an output of 1 of R means. Ours: 0.03, so that outputs are of order 1."""
+    centred_descriptor: bool = False
+    """Ours: take the training mean off the descriptor map before its first convolution."""
+
+
+@dataclass(frozen=True)
+class Training:
+    """How a stage is optimised."""
+
+    steps: int = 26_250
+    """Optimiser steps. Default: the paper's 350 epochs of 300 frames in batches of 4 (the code's checkpoints: 50,000
+    steps of batch 1)."""
+    batch: int = 4
+    """Frames a step (paper: 1 to 4, code: 1)."""
+    learning_rate: float = 1e-4
+    """Of Adam; the peak where the schedule is "one_cycle"."""
+    schedule: str = "halving"
+    """"halving": halved every `halve_every` steps (paper and code); "one_cycle" (ours): a linear rise over a tenth of
+    the steps, then a cosine down to nothing."""
+    halve_every: int = 3_750
+    """Default: 50 epochs."""
+    betas: tuple[float, float] = (0.9, 0.999)
+    """Of Adam (code: 0, 0.9)."""
+    amsgrad: bool = False
+    """Code: True in stage 2."""
+
+
+@dataclass(frozen=True)
+class Sdf:
+    """SDF_0, the signed distance network of the canonical body (section 4.2)."""
+
+    layers: int = 8
+    width: int = 512
+    batch: int = 4_096
+    """Points on the surface in a step; as many are near it, and an eighth anywhere."""
+    training: Training = Training(steps=20_000, learning_rate=5e-4, halve_every=5_000)
+    """Its `batch` does not count."""
+
+
+@dataclass(frozen=True)
+class Stage1:
+    """Training of the generative model (section 4.2)."""
+
+    training: Training = Training()
+    edge_weight: float = 1.0
+    """Of L_rand (code: 0.1)."""
+    sdf_weight: float = 100.0
+    """lambda_1 (code: 1)."""
+    sdf_from_step: int = 0
+    """L_SDF0 counts from this step on (code: 500)."""
+    sdf_on_random: bool = True
+    """L_SDF0 on the random sample too (code: False)."""
+    sdf_margin: float = 6e-4
+    """Its eps [m]; the paper does not give it, this is the code's."""
+    latent_weight: float = 1e-3
+    """lambda_2."""
+    random_every: int = 1
+    """Ours: decode the random sample, and ask SDF_0, only every so many steps, at so many times the weight."""
+
+
+@dataclass(frozen=True)
+class Stage2:
+    """Training of the dynamic-aware encoder (section 5)."""
+
+    training: Training = Training()
+    virtual_sample: bool = True
+    """The constraint of E_t = 0 (figure 10)."""
+    pair_weight: float = 1.0
+    """Of each of the two terms of L_geo and L_Z (code: 0.5)."""
+    latent_weight: float = 1e-3
+    """lambda_2."""
+    force_distance: str = "present"
+    """The interaction force fades with the distance to the seed's "present" (paper) or "previous" (code) place."""
+    cache_inputs: bool = False
+    """Ours: make S(M_{t-1}) and the force maps of all frames once, which needs memory."""
+
+
+@dataclass(frozen=True)
+class Collision:
+    """The collision stage at run time (section 5.1)."""
+
+    enabled: bool = True
+    map_size: int = 128
+    """Pixels a side of the residual displacement map."""
+    trigger: str = "sum"
+    """The stage runs when the "sum" (paper) or the "mean" (code) of penetration depths [m] passes `threshold`."""
+    threshold: float = 1e-4
+    """Its eps [m]; the paper does not give it (code: 5e-6, of the mean)."""
+    position_weight: float = 1.0
+    """Of the L1 to the network's prediction, a mean (code: 10)."""
+    laplacian_weight: float = 1.0
+    """Of its Laplacian's L1, a mean (code: 1e4)."""
+    collision_weight: float = 100.0
+    """lambda_3, of the depths' sum (code: 1e4, of their mean)."""
+    learning_rate: float = 1e-3
+    """Of Adam."""
+    steps: int = 51
+    """At most so many steps a frame (code); it ends early when nothing penetrates any more."""
+    carry: bool = True
+    """The map and Adam's state go on to the next frame (code)."""
+
+
+@dataclass(frozen=True)
+class Config:
+    """The motion-guided model. Defaults: the paper."""
+
+    model: Model = Model()
+    sdf: Sdf = Sdf()
+    stage1: Stage1 = Stage1()
+    stage2: Stage2 = Stage2()
+    collision: Collision = Collision()
+
+
+def _small(model: Model, sdf: Sdf, stage1_steps: int, stage2_steps: int) -> Config:
+    """A size at which training takes minutes, with what the trials showed to help there."""
+    quick = Training(batch=2, schedule="one_cycle")
+    return Config(
+        model=replace(model, output_scale=0.03, centred_descriptor=True),
+        sdf=sdf,
+        stage1=Stage1(replace(quick, steps=stage1_steps, learning_rate=4e-3), random_every=4),
+        stage2=Stage2(replace(quick, steps=stage2_steps, learning_rate=1.5e-3), cache_inputs=True),
+        collision=Collision(map_size=32),
+    )
+
+
+def _small_sdf(width: int, steps: int, batch: int) -> Sdf:
+    return Sdf(4, width, batch, Training(steps=steps, learning_rate=5e-3, schedule="one_cycle"))
+
+
+SIZES: dict[str, Config] = {
+    "smoke": _small(
+        Model(map_size=16, width=16, mlp_width=32, latent=32, seeds=40),
+        _small_sdf(width=32, steps=300, batch=256),
+        stage1_steps=150,
+        stage2_steps=100,
+    ),
+    "laptop": _small(
+        Model(map_size=16, width=32, mlp_width=64, latent=64, seeds=100),
+        _small_sdf(width=64, steps=1_500, batch=512),
+        stage1_steps=5_000,
+        stage2_steps=3_000,
+    ),
+    "paper": Config(),
+}
+
+
+def config_for(preset_name: str) -> Config:
+    """The full model's configuration at a preset. Raises `UsageError` for an unknown one."""
+    if preset_name not in SIZES:
+        raise unknown_name("preset", preset_name, list(SIZES))
+    return SIZES[preset_name]
+
+
+def config_from(table: dict) -> Config:
+    """The configuration whose `dataclasses.asdict` went through JSON."""
+    return _from(Config, table)
+
+
+def _from(kind: type, table: dict) -> Any:
+    values = {
+        f.name: _from(type(f.default), v) if is_dataclass(f.default) else tuple(v) if isinstance(v, list) else v
+        for f in fields(kind)
+        for v in [table[f.name]]
+    }
+    return kind(**values)
+
+
+VARIANTS: dict[str, Callable[[Config], Config]] = {
+    "full": lambda full: full,
+    "fixed_weights": lambda full: replace(full, model=replace(full.model, dynamic_weights=False)),
+    "no_virtual_sample": lambda full: replace(full, stage2=replace(full.stage2, virtual_sample=False)),
+    "no_collision": lambda full: replace(full, collision=replace(full.collision, enabled=False)),
+}
+"""The full model and its ablations: each changes the full model's configuration."""

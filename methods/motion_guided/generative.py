@@ -1,0 +1,99 @@
+"""The generative space of garment deformations (section 4): S, E^Sta, D, R and the kernel radii."""
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+from garmentbench.geometry.mesh import laplacian, tangent_frames
+from methods.motion_guided.canonical import Canonical
+from methods.motion_guided.config import Model
+from methods.motion_guided.descriptor import MapToVertex, VertexToMap, uv_encoding
+from methods.motion_guided.networks import Decoder, DisplacementMLP, Encoder, GeometryFeatures
+from methods.motion_guided.skinning import blend_weights, blended_rotations, displace, seed_transforms, skin
+from methods.motion_guided.sparse import SparseMatrix
+
+FIRST_RADIUS = 0.05  # [m]
+
+
+class GenerativeModel(nn.Module):
+    """A regularised autoencoder of garment geometry relative to the body.
+
+    Positions of a frame, of garment and seeds alike, are relative to one centre (see `frames`).
+    """
+
+    def __init__(self, canonical: Canonical, options: Model) -> None:
+        super().__init__()
+        self.options = options
+        seeds, size = len(canonical.seeds.vertices), options.map_size
+        self.features_block = GeometryFeatures(seeds, options.width)
+        self.encoder = Encoder(options.width, size, options.width, options.latent)
+        self.decoder = Decoder(size, options.width, options.latent)
+        labels = canonical.seeds.labels
+        parts, part = (np.zeros(1), np.zeros(seeds, np.int64)) if labels is None else np.unique(labels, return_inverse=True)
+        # The logarithm, so that a step of the optimiser is a share of the radius and none can become negative.
+        self.log_radii = nn.Parameter(torch.full((len(parts),), float(np.log(FIRST_RADIUS))))
+        self._constants(canonical, part)
+        self.displacement_block = DisplacementMLP(options.width // 2, self.uv.shape[1], options.mlp_width)
+
+    def _constants(self, canonical: Canonical, part: np.ndarray) -> None:
+        size = self.options.map_size
+        self.to_map = VertexToMap(canonical.uv, canonical.faces, size)
+        self.to_vertex = MapToVertex(canonical.uv, 2 * size)
+        self.laplacian = SparseMatrix(laplacian(canonical.faces, len(canonical.rest)))
+        edges, lengths = canonical.edges
+        tables = {
+            "rest": canonical.rest,
+            "frames": tangent_frames(canonical.rest, canonical.faces, canonical.uv),
+            "canonical_seeds": canonical.seeds.rest,
+            "edge_lengths": lengths,
+        }
+        for name, table in tables.items():
+            self.register_buffer(name, torch.from_numpy(table.astype(np.float32)), persistent=False)
+        self.register_buffer("uv", uv_encoding(torch.from_numpy(canonical.uv.astype(np.float32))), persistent=False)
+        self.register_buffer("edges", torch.from_numpy(edges.astype(np.int64)), persistent=False)
+        self.register_buffer("part", torch.from_numpy(part.astype(np.int64)), persistent=False)
+        # What is taken off the descriptor; part of the weights, since it comes from the training frames.
+        self.register_buffer("mean_garment", torch.zeros(len(canonical.rest), 3))
+        self.register_buffer("mean_seeds", torch.zeros(len(part), 3))
+
+    def centre_descriptor(self, garments: Tensor, seeds: Tensor) -> None:
+        """Set what is taken off the descriptor to its mean over training frames (option `centred_descriptor`)."""
+        self.mean_garment.copy_(garments.mean(dim=0))
+        self.mean_seeds.copy_(seeds.mean(dim=0))
+
+    @property
+    def radii(self) -> Tensor:
+        """Kernel radius of each seed [m], shape (N,)."""
+        return self.log_radii.exp()[self.part]
+
+    def features(self, garment: Tensor, seeds: Tensor) -> Tensor:
+        """S(M^P), shape (batch, width, S, S), of a garment (batch, V, 3) beside seeds (batch, N, 3) [m]."""
+        positions = self.to_map(garment - self.mean_garment)
+        return self.features_block(positions, self.to_map.mask, seeds - self.mean_seeds)
+
+    def encode(self, garment: Tensor, seeds: Tensor) -> Tensor:
+        """Z = E^Sta(S(M^P)), shape (batch, latent)."""
+        return self.encoder(self.features(garment, seeds))
+
+    def displaced(self, code: Tensor) -> Tensor:
+        """Canonical displaced vertices g^ [m], shape (batch, V, 3), of latent codes (batch, latent)."""
+        features = self.to_vertex(self.decoder(code))
+        displacement = self.options.output_scale * self.displacement_block(features, self.uv)
+        return displace(self.rest, self.frames, displacement)
+
+    def weights(self, displaced: Tensor) -> Tensor:
+        """Blend weights, shape (batch, V, N); of the rest garment, (1, V, N), where they are fixed (figure 7)."""
+        where = displaced if self.options.dynamic_weights else self.rest[None]
+        return blend_weights(where, self.canonical_seeds, self.radii)
+
+    def transforms(self, seeds: Tensor, rotations: Tensor) -> Tensor:
+        """Rigid motions of the seeds, shape (batch, N, 12)."""
+        return seed_transforms(rotations, self.canonical_seeds, seeds)
+
+    def pose(self, displaced: Tensor, seeds: Tensor, rotations: Tensor) -> Tensor:
+        """Posed garment [m], shape (batch, V, 3), relative to the seeds' centre (eq. 1)."""
+        return skin(displaced, self.weights(displaced), self.transforms(seeds, rotations))
+
+    def directions(self, displaced: Tensor, seeds: Tensor, rotations: Tensor) -> Tensor:
+        """B, how a posed vertex moves with its displacement where its weights stay, shape (batch, V, 3, 3)."""
+        return blended_rotations(self.weights(displaced), self.transforms(seeds, rotations)) @ self.frames

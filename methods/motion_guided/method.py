@@ -1,0 +1,135 @@
+"""The motion-guided model through the contract of `garmentbench.method`."""
+
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from garmentbench.atomic import write_text
+from garmentbench.clock import span
+from garmentbench.method import BodyFrame, FitRun, History
+from garmentbench.sequence import Sequence, Template
+from methods.motion_guided.canonical import Canonical
+from methods.motion_guided.collision import CollisionStage, Residual
+from methods.motion_guided.config import VARIANTS, Config, config_for, config_from
+from methods.motion_guided.dynamics import DynamicEncoder
+from methods.motion_guided.frames import BodyFrames, body_frames, to_tensor
+from methods.motion_guided.generative import GenerativeModel
+from methods.motion_guided.inputs import dynamic_inputs, motion_of
+from methods.motion_guided.stages import train_stages
+from methods.motion_guided.training import load, save
+
+__all__ = ["VARIANTS", "Config", "MotionGuided", "config_for"]
+
+
+@dataclass(frozen=True)
+class State:
+    """What a roll-out carries from frame to frame.
+
+    Attributes:
+        garments: The last three frames' garments, the model's own after the first steps [m], world, shape (3, V, 3).
+        body: The body at the last frame.
+        before_collision: The last garment before its collision stage [m], shape (V, 3); None before the first step and
+            where there is no such stage.
+        collision: The stage itself; None where the scene or the configuration has none.
+        residual: The residual displacement map that it goes on from.
+    """
+
+    garments: np.ndarray
+    body: BodyFrames
+    before_collision: np.ndarray | None
+    collision: CollisionStage | None
+    residual: Residual | None
+
+
+class MotionGuided:
+    """Zhang, Ceylan, Mitra 2022: a generative space of garments, a dynamic-aware encoder, and a collision stage."""
+
+    name = "motion_guided"
+    Config = Config
+
+    def __init__(
+        self, canonical: Canonical, config: Config, generative: GenerativeModel, dynamics: DynamicEncoder, touches: bool
+    ) -> None:
+        self.canonical, self.config, self.touches = canonical, config, touches
+        self.generative, self.dynamics = generative, dynamics
+        self.device = generative.rest.device
+
+    @classmethod
+    def fit(cls, train: Sequence, config: Config, run: FitRun) -> "MotionGuided":
+        """Train on a sequence. Raises `UserError` where there is no body to be relative to."""
+        torch.set_flush_denormal(True)  # denormal numbers slow C's convolutions sixfold
+        canonical = Canonical.of(train.template, config.model.seeds)
+        generative, dynamics = train_stages(train, canonical, config, run, _device())
+        return cls(canonical, config, generative, dynamics, train.template.needs.interaction_force)
+
+    def save(self, folder: Path) -> None:
+        """Write config.json, canonical.npz and weights.pt."""
+        write_text(folder / "config.json", json.dumps(asdict(self.config), indent=1))
+        self.canonical.save(folder / "canonical.npz")
+        weights = {"generative": self.generative.state_dict(), "dynamics": self.dynamics.state_dict()}
+        save(weights, folder / "weights.pt")
+
+    @classmethod
+    def load(cls, folder: Path) -> "MotionGuided":
+        """Read what `save` wrote, as data only."""
+        config = config_from(json.loads((folder / "config.json").read_text()))
+        canonical, weights = Canonical.load(folder / "canonical.npz"), load(folder / "weights.pt", _device())
+        touches = any(name.startswith("motion_block.force") for name in weights["dynamics"])
+        generative = GenerativeModel(canonical, config.model)
+        dynamics = DynamicEncoder(config.model, len(canonical.seeds.vertices) if touches else None)
+        for module, state in ((generative, weights["generative"]), (dynamics, weights["dynamics"])):
+            module.to(_device()).requires_grad_(False).load_state_dict(state)
+        return cls(canonical, config, generative, dynamics, touches)
+
+    def begin(self, template: Template, history: History) -> State:
+        """From true position, velocity and acceleration (three frames).
+
+        The body may have another shape than in training: the canonical pose stays the training body's, and a seed's
+        translation is T_t = b_t - b_0. Raises `UserError` for another garment or another body mesh.
+        """
+        self.canonical.check_fits(template)
+        collision = residual = None
+        if template.needs.collision_stage and self.config.collision.enabled:
+            collision = CollisionStage(self.canonical, template.body, self.config.collision, self.device)
+            residual = Residual.none(self.config.collision.map_size, self.device)
+        return State(history.garments, self._body(history.bodies[-1]), None, collision, residual)
+
+    @torch.no_grad()
+    def step(self, state: State, body: BodyFrame) -> tuple[np.ndarray, State]:
+        """Garment vertices [m], shape (V, 3), at the frame of `body`. Not finite where the model has blown up."""
+        torch.set_flush_denormal(True)
+        with span("prepare"):
+            now = self._body(body.vertices)
+            last = to_tensor(state.garments[-1:] - state.body.centre, self.device)
+            motion = to_tensor(motion_of(state.garments), self.device)
+            options = self.config.stage2
+            inputs = dynamic_inputs(self.generative, last, motion, state.body, now, options.force_distance, self.touches)
+        with span("predict"):
+            code = self.dynamics(inputs)
+            displaced = self.generative.displaced(code)
+            posed = self.generative.pose(displaced, now.seeds, now.rotations)
+            garment = _world(posed, now)
+        before, residual = (None if state.collision is None else garment), state.residual
+        if state.collision is not None and np.isfinite(garment).all():
+            with span("collide"):
+                directions = self.generative.directions(displaced, now.seeds, now.rotations)
+                relative = body.vertices - now.centre[0]
+                posed, residual = state.collision.resolve(posed[0], directions[0], relative, residual)
+                garment = _world(posed[None], now)
+        garments = np.concatenate([state.garments[1:], garment[None]])
+        return garment, State(garments, now, before, state.collision, residual)
+
+    def _body(self, vertices: np.ndarray) -> BodyFrames:
+        return body_frames(vertices[None], self.canonical.seeds, self.config.model.seed_rotation, self.device)
+
+
+def _world(posed: Tensor, now: BodyFrames) -> np.ndarray:
+    return (posed.cpu().numpy() + now.centre)[0].astype(np.float32)
+
+
+def _device() -> torch.device:
+    return torch.device("cuda" if torch.cuda.is_available() else "cpu")

@@ -1,0 +1,88 @@
+"""Training in stages, each a run of its own that all variants share which do not differ in what decides it."""
+
+import hashlib
+from dataclasses import asdict
+
+import torch
+
+from garmentbench.fingerprint import fingerprint
+from garmentbench.method import FitRun
+from garmentbench.sequence import Sequence
+from methods.motion_guided.canonical import Canonical
+from methods.motion_guided.config import Config
+from methods.motion_guided.dynamics import DynamicEncoder
+from methods.motion_guided.generative import GenerativeModel
+from methods.motion_guided.sdf import SignedDistance, fit_sdf
+from methods.motion_guided.stage1 import TrainingFrames, fit_stage1, training_frames
+from methods.motion_guided.stage2 import fit_stage2, teacher
+from methods.motion_guided.training import WEIGHTS, load
+
+
+def train_stages(
+    train: Sequence, canonical: Canonical, config: Config, run: FitRun, device: torch.device
+) -> tuple[GenerativeModel, DynamicEncoder]:
+    """SDF_0 (where there is a human body), stage 1 and stage 2; what is finished already is read back."""
+    identity = {"seed": run.seed, "device": device.type, "template": _digest(train, frames=False)}
+    sdf = _sdf(train, config, run, device, identity) if train.template.needs.body else None
+    identity |= {"frames": _digest(train, frames=True)}
+    frames = training_frames(train, canonical, config.model, device)
+    generative = _stage1(frames, canonical, sdf, config, run, identity)
+    return generative, _stage2(train, generative, frames, config, run, identity)
+
+
+def _sdf(train: Sequence, config: Config, run: FitRun, device: torch.device, identity: dict) -> SignedDistance:
+    about = {**identity, "sdf": asdict(config.sdf), "code": fingerprint("methods.motion_guided.sdf")}
+    stage = run.stage("sdf", about)
+    if not stage.finished:
+        fit_sdf(train.template, config.sdf, stage, device)
+        stage.finish()
+    network = SignedDistance(config.sdf).to(device)
+    network.load_state_dict(load(stage.folder / WEIGHTS, device))
+    return network.requires_grad_(False)
+
+
+def _stage1(
+    frames: TrainingFrames,
+    canonical: Canonical,
+    sdf: SignedDistance | None,
+    config: Config,
+    run: FitRun,
+    identity: dict,
+) -> GenerativeModel:
+    code = fingerprint("methods.motion_guided.stage1")
+    options = {part: asdict(getattr(config, part)) for part in ("model", "sdf", "stage1")}
+    stage = run.stage("stage1", {**identity, **options, "code": code})
+    if not stage.finished:
+        fit_stage1(frames, canonical, sdf, config.model, config.stage1, stage)
+        stage.finish()
+    model = GenerativeModel(canonical, config.model).to(frames.garments.device)
+    model.load_state_dict(load(stage.folder / WEIGHTS, frames.garments.device))
+    return model.requires_grad_(False)
+
+
+def _stage2(
+    train: Sequence, generative: GenerativeModel, frames: TrainingFrames, config: Config, run: FitRun, identity: dict
+) -> DynamicEncoder:
+    code = fingerprint("methods.motion_guided.stage2")
+    options = {part: asdict(getattr(config, part)) for part in ("model", "sdf", "stage1", "stage2")}
+    stage = run.stage("stage2", {**identity, **options, "code": code})
+    touches = train.template.needs.interaction_force
+    if not stage.finished:
+        taught = teacher(generative, frames, train.garment, config.stage2, touches)
+        fit_stage2(generative, taught, config.model, config.stage2, touches, stage)
+        stage.finish()
+    dynamics = DynamicEncoder(config.model, len(generative.canonical_seeds) if touches else None)
+    dynamics.to(frames.garments.device).load_state_dict(load(stage.folder / WEIGHTS, frames.garments.device))
+    return dynamics.requires_grad_(False)
+
+
+def _digest(train: Sequence, frames: bool) -> str:
+    """Hash of the template, or of the whole sequence."""
+    body = train.template.body
+    arrays = [*vars(train.template.garment).values(), *vars(body).values()]
+    if frames:
+        arrays += [train.garment, train.body]
+    digest = hashlib.blake2b(digest_size=8)
+    for array in arrays:
+        digest.update(array.tobytes() if hasattr(array, "tobytes") else repr(array).encode())
+    return digest.hexdigest()
