@@ -28,6 +28,19 @@ def require_device(preset: Preset) -> None:
         raise UserError(f"preset {preset.name} needs a CUDA device and none is there; {others} run on any machine")
 
 
+def quiet_warp() -> None:
+    """Keep Warp from telling which kernels it loads on standard output, which belongs to the command's own answer."""
+    import warp
+
+    warp.config.log_level = warp.LOG_WARNING
+
+
+def one_thread() -> None:
+    """Let NumPy and torch use one thread in this process and those it starts: a result is then the same bits whether
+    it is made alone or beside others, and a time is that of one core. To be called before they are loaded."""
+    os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
+
+
 def has_cuda() -> bool:
     """May this process use a CUDA device?"""
     import torch

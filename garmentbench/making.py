@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from garmentbench import hdf5, lock, sequence_file
-from garmentbench.device import has_cuda
+from garmentbench.device import has_cuda, quiet_warp
 from garmentbench.errors import UserError
 from garmentbench.fingerprint import content_hash, fingerprint
 from garmentbench.paths import BODIES, GARMENTS, sequence_path
@@ -14,6 +14,7 @@ from garmentbench.presets import Preset
 from garmentbench.progress import track
 from garmentbench.scene import Scene, load_scene
 from garmentbench.sequence import Needs, Sequence, Template
+from garmentbench.sequence_layout import KIND, REMAKE, SCHEMA
 
 IDENTITY = "made_from"  # key of a sequence's info: hash of scene, preset, assets and code
 
@@ -61,7 +62,7 @@ def _is_made_from(path: Path, identity: str) -> bool:
     if not path.is_file():
         return False
     try:
-        with hdf5.opened(path, sequence_file.KIND, sequence_file.SCHEMA, sequence_file.REMAKE) as file:
+        with hdf5.opened(path, KIND, SCHEMA, REMAKE) as file:
             info = json.loads(hdf5.attribute(file, "info", str) or "{}")
     except UserError as e:
         print(f"{e}: made again now", file=sys.stderr)
@@ -73,6 +74,7 @@ def _simulated(scene: Scene, preset: Preset) -> Sequence:
     """The reference with its uncertainty and its own interpenetration in its info."""
     from garmentbench.simulation.simulate import WINDOW, frame_count, measure_uncertainty, simulate
 
+    quiet_warp()
     device = "cuda:0" if has_cuda() else "cpu"
     steps = frame_count(scene, preset)
     with track(steps, f"simulate {scene.name}") as step:
@@ -87,7 +89,7 @@ def _simulated(scene: Scene, preset: Preset) -> Sequence:
 
 def _own_interpenetration(sequence: Sequence) -> dict[str, float]:
     from garmentbench.metrics.interpenetration import interpenetration
-    from garmentbench.metrics.strict import interpenetration_strict, signed_distances
+    from garmentbench.metrics.interpenetration_strict import interpenetration_strict, signed_distances
 
     arrays = sequence.garment, sequence.body, sequence.template.body.faces
     return {

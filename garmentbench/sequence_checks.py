@@ -170,6 +170,8 @@ def _edge_counts(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def _seams(a: _Arrays) -> list[Problem]:
     i, j = a["garment/seams"].T
     problems = []
+    if not len(i):
+        return problems
     for name, limit in (("garment/rest", SEAM_GAP), ("garment/frames", SEAM_SPLIT)):
         positions = a[name]
         gap = np.linalg.norm(positions[..., i, :] - positions[..., j, :], axis=-1).reshape(-1, len(i)).max(axis=0, initial=0)

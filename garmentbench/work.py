@@ -5,19 +5,23 @@ Together with the command line this is the outermost shell: methods are reached 
 
 import sys
 import traceback
-from dataclasses import fields
-from pathlib import Path
-from typing import Any
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
 
 from garmentbench import sequence_file
-from garmentbench.device import device_name, require_device
+from garmentbench.device import device_name, quiet_warp, require_device
 from garmentbench.errors import UsageError, UserError, unknown_name
 from garmentbench.fingerprint import fingerprint
 from garmentbench.making import make_sequence
 from garmentbench.method import HISTORY, Method
 from garmentbench.presets import Preset
 from garmentbench.runs import Run, RunStore
+from garmentbench.scene import load_scene
 from garmentbench.sequence import Sequence
+
+if TYPE_CHECKING:
+    from garmentbench.rollout import RollOut
 
 __all__ = ["evaluate", "is_random", "load_method", "make_sequence", "require_device", "train"]
 
@@ -67,7 +71,7 @@ def train(method_name: str, variant: str, scene: str, preset: Preset, frames: in
     identity = {
         "method": method_name,
         "variant": variant,
-        "train_scene": scene,
+        "train_scene": load_scene(scene).name,
         "preset": preset.name,
         "train_frames": frames,
         "seed": seed if is_random(method_name) else 0,
@@ -81,24 +85,12 @@ def train(method_name: str, variant: str, scene: str, preset: Preset, frames: in
             sequence = sequence_file.load(path, frames)
             if len(sequence) < frames:
                 raise UserError(f"{path}: has {len(sequence)} frames, {frames} were asked for; train on at most {len(sequence)}")
-            trained = _fit(method, sequence, config, run)
             folder = run.folder / "method"
             folder.mkdir(exist_ok=True)
-            trained.save(folder)
+            with _foreign_code(run, "fit"):
+                method.fit(sequence, config, run).save(folder)
             run.finish()
     return store.get(run.id)
-
-
-def _fit(method: type[Method], sequence: Sequence, config: Any, run: Run) -> Method:
-    """Fit a method; what foreign code raises becomes one line, its traceback stays in the run."""
-    try:
-        return method.fit(sequence, config, run)
-    except UserError:
-        raise
-    except Exception as e:  # a method may be anybody's, and raise anything
-        file = run.folder / "error.txt"
-        file.write_text(traceback.format_exc())
-        raise UserError(f"{run.identity['method']}: fit raised {type(e).__name__}: {e}; the traceback is in {file}") from e
 
 
 def evaluate(trained: Run, scene: str, preset: Preset, store: RunStore) -> Run:
@@ -111,7 +103,7 @@ def evaluate(trained: Run, scene: str, preset: Preset, store: RunStore) -> Run:
     Raises:
         UserError: The training is not finished, or the scene is wrong.
     """
-    from garmentbench import evaluation, rollout
+    from garmentbench.evaluation import evaluate as measure
     from garmentbench.recording import write_recording
 
     _ = trained.results  # says so where the training is not finished
@@ -120,7 +112,7 @@ def evaluate(trained: Run, scene: str, preset: Preset, store: RunStore) -> Run:
     about = ("method", "variant", "train_scene", "train_frames", "seed")
     identity = {key: trained.identity[key] for key in about} | {
         "trained": trained.id,
-        "scene": scene,
+        "scene": load_scene(scene).name,
         "preset": preset.name,
         "data": sequence_file.content_hash(path),
         "code": fingerprint(method.__module__, "garmentbench.rollout", "garmentbench.evaluation"),
@@ -128,11 +120,42 @@ def evaluate(trained: Run, scene: str, preset: Preset, store: RunStore) -> Run:
     }
     with store.open("evaluate", identity) as run:
         if not run.finished:
+            quiet_warp()  # which the metrics use
             sequence = sequence_file.load(path)
-            learnt = method.load(trained.folder / "method")
-            roll = rollout.roll_out(learnt, sequence)
-            rows = evaluation.evaluate(roll, rollout.one_step(learnt, sequence), sequence)
-            rollout.save(roll, run.folder / "rollout.h5")
+            with _foreign_code(run, "load"):
+                learnt = method.load(trained.folder / "method")
+            roll, one = _predict(learnt, sequence, run)
+            roll.save(run.folder / "rollout.h5")
             write_recording(run.folder / "recording.rrd", sequence, roll, f"{trained.identity['method']} on {scene}")
-            run.finish({"rows": rows, "status": roll.status, "first_bad_frame": roll.first_bad_frame})
+            run.finish({
+                "rows": measure(roll, one, sequence),
+                "status": roll.status,
+                "first_bad_frame": roll.first_bad_frame,
+                "message": roll.message,
+            })
     return store.get(run.id)
+
+
+def _predict(method: Method, sequence: Sequence, run: Run) -> tuple["RollOut", "RollOut"]:
+    """A method's free roll-out through a sequence, and its single steps."""
+    from garmentbench.rollout import one_step, roll_out
+
+    name = run.identity["method"]
+    with run.track(len(sequence) - HISTORY, f"roll-out of {name}") as step:
+        roll = roll_out(method, sequence, step)
+    with run.track(len(sequence) - HISTORY, f"single steps of {name}") as step:
+        return roll, one_step(method, sequence, step)
+
+
+@contextmanager
+def _foreign_code(run: Run, doing: str) -> Iterator[None]:
+    """Make one line of whatever a method raises; its traceback stays in the run's folder."""
+    try:
+        yield
+    except UserError:
+        raise
+    except Exception as e:  # a method may be anybody's, and raise anything
+        file = run.folder / "error.txt"
+        file.write_text(traceback.format_exc())
+        name = run.identity["method"]
+        raise UserError(f"{name}: {doing} raised {type(e).__name__}: {e}; the traceback is in {file}") from e

@@ -66,7 +66,7 @@ class Simulate:
     device: str = "auto"
 
     def run(self) -> None:
-        from garmentbench.device import choose_device, require_device
+        from garmentbench.device import choose_device, one_thread, require_device
         from garmentbench.errors import UsageError
         from garmentbench.presets import preset
         from garmentbench.scene import load_scene
@@ -77,6 +77,7 @@ class Simulate:
             raise UsageError("simulate: which scene? `garmentbench scenes` lists them")
         for name in self.scenes:  # before any work: a typo in the last name is told at once
             load_scene(name)
+        one_thread()
         choose_device(self.device)
         require_device(size)
         for name in self.scenes:

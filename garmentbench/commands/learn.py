@@ -16,10 +16,11 @@ class Methods:
     """
 
     def run(self) -> None:
-        from garmentbench.methods_shell import method_names, variants
+        from methods import method_names
 
-        rows = [{"method": name, "variants": ", ".join(variants(name))} for name in method_names()]
-        print_table(rows)
+        from garmentbench.work import load_method, variants
+
+        print_table([{"method": name, "variants": ", ".join(variants(load_method(name)))} for name in method_names()])
 
 
 @dataclass(frozen=True)
@@ -115,13 +116,14 @@ class Evaluate:
 
 def _ready(preset_name: str, device: str, *scenes: str) -> None:
     """Complain of a wrong name or a missing device before any work is done."""
-    from garmentbench.device import choose_device, require_device
+    from garmentbench.device import choose_device, one_thread, require_device
     from garmentbench.presets import preset
     from garmentbench.scene import load_scene
 
     size = preset(preset_name)
     for scene in scenes:
         load_scene(scene)
+    one_thread()
     choose_device(device)
     require_device(size)
 

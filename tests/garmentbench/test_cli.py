@@ -1,0 +1,255 @@
+"""The command line as it is typed: names, exit codes, one-line messages, and what is left behind when things go wrong."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import h5py
+import pytest
+
+from garmentbench import __version__, paths, sequence_file
+from garmentbench.cli import main
+from garmentbench.commands import COMMANDS
+from garmentbench.making import IDENTITY, sequence_identity
+from garmentbench.presets import preset
+from garmentbench.runs import RunStore
+from garmentbench.scene import load_scene
+from garmentbench.tiny import tiny_sequence
+
+SCENE = 'garment = "tshirt"\nbody = "base"\nmotion = "armspace-75"\nsplit = "train"\nframes = 20\n'
+
+
+@pytest.fixture
+def home(tmp_path, monkeypatch):
+    """An empty place for runs and sequences."""
+    for name in ("RUNS", "GENERATED", "REPORTS"):
+        monkeypatch.setattr(paths, name, tmp_path / name.lower())
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def tiny(home, monkeypatch):
+    """A scene whose sequence is there already, a tiny one, and methods that are wrong. The scene's path."""
+    (home / "tiny.toml").write_text(SCENE)
+    scene = load_scene(str(home / "tiny.toml"))
+    sequence = tiny_sequence(20)
+    info = {**sequence.info, IDENTITY: sequence_identity(scene, preset("smoke"))}
+    sequence_file.save(replace(sequence, info=info), paths.sequence_path("smoke", "tiny"))
+    monkeypatch.syspath_prepend(Path(__file__).parent)
+    return str(home / "tiny.toml")
+
+
+def typed(capsys, *arguments: str) -> tuple[int, str, list[str]]:
+    """Exit code, output and lines of complaint of a command."""
+    code = main(arguments)
+    out, err = capsys.readouterr()
+    return code, out, err.splitlines()
+
+
+def evaluate(method: str, scene: str) -> tuple[str, ...]:
+    scenes = ("--train-scene", scene, "--scene", scene)
+    return ("evaluate", f"foreign_methods:{method}", *scenes, "--preset", "smoke", "--frames", "20")
+
+
+def process(home: Path, *arguments: str, before: str = "") -> subprocess.Popen:
+    """The command line in a process of its own, its data in `home`; `before` is run first."""
+    code = (
+        "import sys\nfrom pathlib import Path\nfrom garmentbench import paths\n"
+        f"paths.RUNS, paths.GENERATED = Path({str(home / 'runs')!r}), Path({str(home / 'generated')!r})\n{before}\n"
+        f"from garmentbench.cli import main\nsys.exit(main({list(arguments)!r}))"
+    )
+    env = os.environ | {"PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), str(paths.ROOT)]), "OMP_NUM_THREADS": "1"}
+    return subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=env)
+
+
+def test_version_and_speed_of_help():
+    start = time.monotonic()
+    done = subprocess.run([sys.executable, "-m", "garmentbench.cli", "--help"], capture_output=True, text=True, cwd=paths.ROOT)
+    assert done.returncode == 0 and all(name in done.stdout for name in COMMANDS)
+    assert time.monotonic() - start < 2.0  # 0.1 s on an idle machine; torch alone takes longer than this
+    assert main(["--version"]) == 0
+
+
+def test_version(capsys):
+    assert typed(capsys, "--version") == (0, f"garmentbench {__version__}\n", [])
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_help_of_each_command_shows_an_example(name, capsys):
+    with pytest.raises(SystemExit) as end:
+        main([name, "--help"])
+    assert end.value.code == 0
+    assert f"Example: garmentbench {name}" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["simulat", "x"], "unknown command 'simulat': did you mean 'simulate'?"),
+        (["--nonsense"], "Expected one of {scenes"),
+        (["simulate", "tshirt-armspce-90"], "unknown scene 'tshirt-armspce-90': did you mean 'tshirt-armspace-90'?"),
+        (["simulate"], "which scene?"),
+        (["simulate", "sheet-stick-a", "--prset", "smoke"], "unknown option '--prset': did you mean '--preset'?"),
+        (["simulate", "sheet-stick-a", "--preset", "smok"], "unknown preset 'smok': did you mean 'smoke'?"),
+        (["train", "skining", "--preset", "smoke"], "unknown method 'skining': did you mean 'skinning'?"),
+        (["train", "skinning", "--variant", "ful", "--preset", "smoke"], "did you mean 'full'?"),
+        (["train", "skinning", "--device", "gpu"], "unknown device 'gpu'"),
+        (["train", "skinning", "--frames", "3", "--preset", "smoke"], "3 frames asked for; wanted more than 3"),
+        (["train", "skinning", "--seed", "two"], "Error parsing --seed"),
+        (["train"], "Missing from garmentbench train"),
+        (["evals", "baseline", "--preset", "smoke"], "did you mean 'baselines'?"),
+        (["evals", "--seeds", "0"], "--seeds is 0; wanted at least 1"),
+        (["runs", "method"], "'method' is no filter; wanted key=value"),
+        (["runs", "kind=train", "extra=1", "--comp", "a"], "unknown option '--comp': did you mean '--compare'?"),
+        (["view", "evaluate-00"], "unknown run 'evaluate-00'"),
+        (["report", "smoke"], "report: what to do with 'smoke'?"),
+    ],
+)
+def test_a_wrong_call_gives_one_line_with_the_nearest_name_and_exit_code_2(home, capsys, arguments, complaint):
+    code, out, lines = typed(capsys, *arguments)
+    assert code == 2 and len(lines) == 1 and complaint in lines[0] and lines[0].startswith("garmentbench: ")
+    assert out == "" and not list(home.iterdir())
+
+
+def test_the_paper_preset_asks_for_a_cuda_device(home, capsys, monkeypatch):
+    monkeypatch.setattr("torch.cuda.is_available", lambda: False)
+    for command in (["simulate", "sheet-stick-a"], ["train", "skinning"], ["evaluate", "skinning"], ["evals"]):
+        code, _, lines = typed(capsys, *command, "--preset", "paper")
+        assert code == 1 and len(lines) == 1
+        assert "paper needs a CUDA device" in lines[0] and "smoke or laptop" in lines[0]
+
+
+def test_scenes_lists_and_shows_what_is_left_out(capsys):
+    code, out, _ = typed(capsys, "scenes")
+    assert code == 0 and "tshirt-armspace-90" in out
+    code, out, _ = typed(capsys, "scenes", "sheet-stick-a")
+    assert code == 0 and "left out: body, part_radii, collision_stage" in out and "needs: interaction_force, pins" in out
+
+
+def test_methods_lists_methods_and_variants(capsys):
+    code, out, _ = typed(capsys, "methods")
+    assert code == 0 and "linear_subspace" in out and "no_virtual_sample" in out
+
+
+def damaged(path: Path, how: str) -> None:
+    """Spoil a good sequence file."""
+    if how == "truncated":
+        path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    elif how == "foreign":
+        path.write_bytes(b"solid cube\n" * 20)
+    elif how == "foreign HDF5":
+        with h5py.File(path, "w") as file:
+            file["x"] = [1]
+    elif how == "newer":
+        with h5py.File(path, "a") as file:
+            file.attrs["schema"] = 99
+
+
+@pytest.mark.parametrize(
+    ("how", "complaint"),
+    [("truncated", "truncated"), ("foreign", "not an HDF5 file"), ("foreign HDF5", "not a garmentbench"),
+     ("newer", "update garmentbench"), ("missing", "no such file")],
+)
+def test_check_says_what_is_wrong_with_a_file(home, capsys, how, complaint):
+    path = home / "x.h5"
+    if how != "missing":
+        sequence_file.save(tiny_sequence(8), path)
+        assert typed(capsys, "check", "x.h5")[0] == 0
+        damaged(path, how)
+    code, out, lines = typed(capsys, "check", "x.h5")
+    assert code == 1 and complaint in out and "x.h5" in lines[0] and len(lines) == 1
+
+
+def test_a_damaged_sequence_is_never_trained_on(tiny, home, capsys, monkeypatch):
+    made = []
+    monkeypatch.setattr("garmentbench.making._simulated", lambda scene, size: made.append(scene.name) or tiny_sequence(20))
+    damaged(paths.sequence_path("smoke", "tiny"), "truncated")
+    code, _, lines = typed(capsys, "train", "foreign_methods:Good", "--scene", tiny, "--preset", "smoke", "--frames", "10")
+    assert code == 0 and made == ["tiny"] and "made again now" in lines[0]
+    assert len(sequence_file.load(paths.sequence_path("smoke", "tiny"))) == 20
+
+
+@pytest.mark.parametrize(
+    ("method", "status", "message"),
+    [("Raises", "failed", "ZeroDivisionError: seventh frame"), ("WrongShape", "failed", "shape"), ("NaN", "diverged", "not finite")],
+)
+def test_a_bad_method_keeps_its_rows_with_its_status(tiny, capsys, method, status, message):
+    code, out, _ = typed(capsys, *evaluate(method, tiny))
+    assert code == 0 and status in out
+    run = RunStore().list({"kind": "evaluate"})[0]
+    assert run.results["status"] == status and run.results["first_bad_frame"] == 7 and message in run.results["message"]
+    rows = {row["metric"]: row for row in run.results["rows"]}
+    assert rows["rollout_l2"]["status"] == status and rows["stable_frames"]["first_bad_frame"] == 7
+
+
+def test_a_good_method_is_trained_and_evaluated_once(tiny, capsys):
+    assert typed(capsys, *evaluate("Good", tiny))[0] == 0
+    runs = sorted(RunStore().list(), key=lambda r: r.kind, reverse=True)
+    assert [r.kind for r in runs] == ["train", "evaluate"] and all(r.finished for r in runs)
+    assert {"rollout.h5", "recording.rrd", "run.json"} <= {p.name for p in runs[1].folder.iterdir()}
+    before = [(r.folder / "run.json").stat().st_mtime_ns for r in runs]
+    assert typed(capsys, *evaluate("Good", tiny))[0] == 0
+    assert [(r.folder / "run.json").stat().st_mtime_ns for r in runs] == before
+
+    code, out, _ = typed(capsys, "runs", "kind=evaluate", "method=foreign_methods:Good")
+    assert code == 0 and runs[1].id in out and runs[0].id not in out
+    code, out, _ = typed(capsys, "runs", "--compare", runs[0].id, runs[1].id)
+    assert code == 0 and "identity.trained" in out and "rollout_l2" in out
+    assert typed(capsys, "view", runs[0].id)[0] == 2  # a training has no recording
+
+
+def test_a_method_whose_training_raises(tiny, capsys):
+    code, _, lines = typed(capsys, *evaluate("FitRaises", tiny))
+    assert code == 1 and len(lines) == 1 and "fit raised ZeroDivisionError: no data" in lines[0]
+    run = RunStore().list()[0]
+    assert run.state == "interrupted" and "Traceback" in (run.folder / "error.txt").read_text()
+
+
+def test_ctrl_c_in_training_then_the_same_command(tiny, capsys):
+    command = ("train", "foreign_methods:FitInterrupted", "--scene", tiny, "--preset", "smoke", "--frames", "20")
+    code, _, lines = typed(capsys, *command)
+    assert code == 130 and len(lines) == 1 and "the same command again" in lines[0]
+    assert RunStore().list()[0].state == "interrupted"
+    assert typed(capsys, *command)[0] == 0
+    assert RunStore().list()[0].state == "finished"
+
+
+def test_more_frames_than_a_scene_has(tiny, capsys, monkeypatch):
+    command = ("train", "foreign_methods:Good", "--scene", tiny, "--preset", "smoke", "--frames", "30")
+    code, _, lines = typed(capsys, *command)
+    assert code == 1 and "20 frames, 30 were asked for" in lines[0]
+
+
+def test_a_disk_that_fills_leaves_no_result_that_looks_whole(tiny, home, capsys):
+    limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))"
+    full = process(home, *evaluate("Good", tiny), before=limit)
+    err = full.communicate(timeout=60)[1].splitlines()
+    assert full.returncode == 1 and len(err) == 1 and "can't be written" in err[0] and "same command again" in err[0]
+    assert not list(home.rglob("*.partial"))
+    assert [r.state for r in RunStore().list({"kind": "evaluate"})] == ["interrupted"]
+    assert typed(capsys, *evaluate("Good", tiny))[0] == 0
+    assert [r.state for r in RunStore().list({"kind": "evaluate"})] == ["finished"]
+
+
+def test_ctrl_c_in_a_simulation_then_the_same_command(home):
+    command = ("simulate", "sheet-stick-a", "--preset", "smoke")
+    first = process(home, *command)
+    lock = home / "generated" / "smoke" / "sheet-stick-a.lock"
+    end = time.monotonic() + 60
+    while not (lock.is_file() and lock.read_text()):
+        assert time.monotonic() < end and first.poll() is None
+        time.sleep(0.02)
+    first.send_signal(signal.SIGINT)
+    _, err = first.communicate(timeout=60)
+    assert first.returncode == 130 and "the same command again" in err and "Traceback" not in err
+    assert not list(home.rglob("*.h5")) and not list(home.rglob("*.partial"))
+    second = process(home, *command)
+    out, err = second.communicate(timeout=120)
+    assert second.returncode == 0, err
+    sequence = sequence_file.load(Path(out.strip()))
+    assert len(sequence) == 40 and sequence.uncertainty_cm > 0
