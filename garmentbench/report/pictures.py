@@ -1,0 +1,31 @@
+"""Which pictures go with which table."""
+
+from typing import TYPE_CHECKING
+
+from garmentbench.report.page import Picture
+from garmentbench.report.plots import error_against_time, error_over_frames
+from garmentbench.report.results import Line
+from garmentbench.report.strips import frame_strip, stress_strip
+from garmentbench.report.tables import STABILITY, STRESS, case
+
+if TYPE_CHECKING:
+    from garmentbench.report.material import Material
+
+FRAMES = "Error of the free roll-out in each frame (thin) and over 30 frames (thick). A cross: it diverged or failed there."
+TIME = "Error of the whole roll-out against time a frame. Lower left is better; inside the shaded band, differences mean nothing."
+STRIP = "Frames of the roll-outs: the reference above, below it what each method (first seed) made of it, coloured by its error."
+LADDER = "The stress cases, each two thirds into the roll-out: the reference above, below it the methods, coloured by their error."
+
+
+def pictures_of(name: str, lines: list[Line], materials: dict[str, "Material"]) -> list[tuple[Picture, bytes]]:
+    """The pictures of a table's lines, of which each has a run; none where there are no lines."""
+    if not lines:
+        return []
+    if lines[0].experiment == STABILITY:
+        by_scene = sorted(lines, key=lambda line: (line.scene.startswith(STRESS), line.scene))
+        cases = {case(line): [other for other in lines if other.scene == line.scene] for line in by_scene}
+        return [(Picture(f"strips/{name}.jpg", LADDER), stress_strip(cases, materials))]
+    made = [(Picture(f"plots/{name}-frames.svg", FRAMES), error_over_frames(lines, materials))]
+    if len({line.method for line in lines}) > 1:
+        made.append((Picture(f"plots/{name}-time.svg", TIME), error_against_time(lines)))
+    return [*made, (Picture(f"strips/{name}.jpg", STRIP), frame_strip(lines, materials))]

@@ -1,0 +1,113 @@
+"""Strips of frames: the reference in the first row, below it what each method made of it, coloured by its error."""
+
+import io
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from PIL import Image
+
+from garmentbench.render import CLOTH, ERROR_COLOURS, ERROR_SCALE_CM, RenderMesh, error_colours, render
+from garmentbench.report.results import Line
+
+if TYPE_CHECKING:
+    from garmentbench.report.material import Material
+
+WIDTH, HEIGHT = 170, 210  # of one picture [pixels]
+LEFT, TOP, BOTTOM = 150, 26, 62  # room for words [pixels]
+DPI = 100
+AROUND = 0.10  # what is seen around the garment [m]
+STRESS_COLUMN = 3  # which of the frames drawn is shown of each stress case
+
+
+@dataclass(frozen=True)
+class Shot:
+    """One picture: frame number `column` of a roll-out's material; `predicted`: the method's, else the reference."""
+
+    material: "Material"
+    column: int
+    predicted: bool
+
+
+def frame_strip(lines: list[Line], materials: dict[str, "Material"]) -> bytes:
+    """Reference and methods over time, on one scene; each method's first seed. A JPEG."""
+    shown = [line for line in lines if line.run_ids]
+    of = [materials[line.run_ids[0]] for line in shown]
+    columns = range(len(of[0].frames))
+    rows = [[Shot(of[0], k, False) for k in columns]] + [[Shot(m, k, True) for k in columns] for m in of]
+    titles = ["reference", *(line.label for line in shown)]
+    endings = [""] + [line.endings[0] for line in shown]
+    return _sheet(rows, titles, [f"frame {f}" for f in of[0].frames], endings)
+
+
+def stress_strip(cases: dict[str, list[Line]], materials: dict[str, "Material"]) -> bytes:
+    """Reference and methods in every stress case, at the same point of the roll-out. A JPEG. cases: name -> lines."""
+    labels = list(dict.fromkeys(line.label for lines in cases.values() for line in lines if line.run_ids))
+    grid: list[list[Shot | None]] = [[] for _ in range(1 + len(labels))]
+    for lines in cases.values():
+        by_label = {line.label: materials[line.run_ids[0]] for line in lines if line.run_ids}
+        at = min(STRESS_COLUMN, *(len(m.frames) - 1 for m in by_label.values()))
+        grid[0].append(Shot(next(iter(by_label.values())), at, False))
+        for row, label in zip(grid[1:], labels, strict=True):
+            row.append(Shot(by_label[label], at, True) if label in by_label else None)
+    return _sheet(grid, ["reference", *labels], list(cases), [""] * len(grid))
+
+
+def _sheet(rows: list[list[Shot | None]], row_titles: list[str], column_titles: list[str], endings: list[str]) -> bytes:
+    width, height = LEFT + WIDTH * len(rows[0]), TOP + HEIGHT * len(rows) + BOTTOM
+    figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI)
+    canvas = FigureCanvasAgg(figure)
+
+    def write(x: float, y: float, text: str, **options) -> None:
+        figure.text(x / width, 1 - y / height, text, va="center", fontsize=9, **options)
+
+    for j, title in enumerate(column_titles):
+        write(LEFT + (j + 0.5) * WIDTH, TOP / 2, title, ha="center", color="#555555")
+    for i, (row, title, ending) in enumerate(zip(rows, row_titles, endings, strict=True)):
+        write(8, TOP + (i + 0.5) * HEIGHT, title.replace(", ", ",\n"), ha="left", fontweight="bold")
+        for j, shot in enumerate(row):
+            picture = _picture(shot) if shot is not None else None
+            if picture is None:
+                write(LEFT + (j + 0.5) * WIDTH, TOP + (i + 0.5) * HEIGHT, ending.replace(" at ", "\nat ") or "ended", ha="center", color="#b3261e")
+            else:
+                figure.figimage(picture, LEFT + j * WIDTH, height - TOP - (i + 1) * HEIGHT)
+    _scale(figure, width, height)
+    canvas.draw()
+    buffer = io.BytesIO()
+    pixels = np.asarray(canvas.buffer_rgba())[..., :3]
+    Image.fromarray(pixels).save(buffer, "JPEG", quality=85, optimize=True, subsampling=0)
+    return buffer.getvalue()
+
+
+def _picture(shot: Shot) -> np.ndarray | None:
+    """One picture, or None where the roll-out had ended. The view stays with the reference garment."""
+    material, k = shot.material, shot.column
+    garment = material.prediction[k] if shot.predicted else material.reference[k]
+    if not np.isfinite(garment).all():
+        return None
+    colour = CLOTH
+    if shot.predicted:
+        colour = error_colours(100.0 * np.linalg.norm(garment - material.reference[k], axis=1))
+    meshes = [RenderMesh(garment, material.garment_faces, colour, cloth=True)]
+    if material.body.shape[1]:
+        meshes.append(RenderMesh(material.body[k], material.body_faces))
+    return render(meshes, "three-quarter", (WIDTH, HEIGHT), _focus(material, k))
+
+
+def _focus(material: "Material", k: int) -> np.ndarray:
+    """A box round frame k's reference garment, of one size for all frames of the scene; shape (2, 3) [m]."""
+    centres = 0.5 * (material.reference.min(axis=1) + material.reference.max(axis=1))
+    half = 0.5 * np.ptp(material.reference, axis=1).max(axis=0) + AROUND
+    return np.stack([centres[k] - half, centres[k] + half])
+
+
+def _scale(figure: Figure, width: int, height: int) -> None:
+    """The scale of the error colours, at the bottom."""
+    axes = figure.add_axes((LEFT / width, 34 / height, 2 * WIDTH / width, 12 / height))
+    axes.imshow(np.linspace(0, 1, 256)[None], aspect="auto", cmap=ERROR_COLOURS, extent=(0, ERROR_SCALE_CM, 0, 1))
+    axes.set_yticks([])
+    axes.tick_params(labelsize=8, length=2)
+    axes.set_xlabel("error of the prediction [cm]", fontsize=8, labelpad=1)
