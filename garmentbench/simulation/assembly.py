@@ -93,7 +93,10 @@ def _cap(stiffness: np.ndarray, inertia: np.ndarray, multiple: float) -> np.ndar
 
 
 def _bending(rest: np.ndarray, mass: np.ndarray, stencils: np.ndarray, modulus: float, cap: float) -> sp.csr_matrix:
-    """Sum over stencils of k c c^T, with c from cotangents of the rest shape and k = 3 modulus / area (Bergou et al. 2006)."""
+    """Sum over stencils of k c c^T, with c from cotangents of the rest shape and k = modulus / area (Bergou et al. 2006).
+
+    Their factor 3 is left out: with it, equilateral triangles bent to a cylinder are three times too stiff.
+    """
     count = len(rest)
     if len(stencils) == 0 or modulus == 0:
         return sp.csr_matrix((count, count))
@@ -102,7 +105,7 @@ def _bending(rest: np.ndarray, mass: np.ndarray, stencils: np.ndarray, modulus: 
     c03, c04 = _cot(x0 - x1, x2 - x1), _cot(x0 - x1, x3 - x1)
     c = np.column_stack([c03 + c04, c01 + c02, -c01 - c03, -c02 - c04])
     area = (np.linalg.norm(np.cross(x1 - x0, x2 - x0), axis=1) + np.linalg.norm(np.cross(x1 - x0, x3 - x0), axis=1)) / 2
-    k = _cap(3 * modulus / area, 1 / (c**2 / mass[stencils]).sum(axis=1), cap)
+    k = _cap(modulus / area, 1 / (c**2 / mass[stencils]).sum(axis=1), cap)
     rows = np.repeat(np.arange(len(stencils)), 4)
     curvature = sp.csr_matrix((c.ravel(), (rows, stencils.ravel())), shape=(len(stencils), count))
     matrix = (curvature.T @ sp.diags(k) @ curvature).tocsr()

@@ -112,8 +112,13 @@ def _noise(fabric: Fabric, settings: Settings) -> np.ndarray:
 
 
 def _set_frame(solver: Solver, frames: np.ndarray, origin: np.ndarray, t: int, fps: float, still_air: bool) -> None:
-    """Give the solver the body between frames t and t + 1: Hermite, tangents from central differences."""
-    before, here, there, after = (frames[min(max(i, 0), len(frames) - 1)] for i in range(t - 1, t + 3))
+    """Give the solver the body between frames t and t + 1: Hermite, tangents from central differences.
+
+    Before the first frame and after the last it moves on as it did.
+    """
+    here, there = frames[t], frames[t + 1]
+    before = frames[t - 1] if t > 0 else 2 * here - there
+    after = frames[t + 2] if t + 2 < len(frames) else 2 * there - here
     wind = np.zeros(3) if still_air else fps * (there - here).mean(axis=0)
     solver.collider.set_frame(here - origin, there - origin, (there - before) / 2, (after - here) / 2, wind)
 

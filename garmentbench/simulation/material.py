@@ -17,7 +17,8 @@ class Material:
         stretch: Spring modulus [N/m]; on a mesh of equilateral triangles the sheet's Young modulus (times its
             thickness) is a third of it, its Poisson ratio a third.
         compression: Part of `stretch` that resists shortening [1]; below 1 stands for buckles finer than the mesh.
-        bending: Bending stiffness [N m], isometric bending (Bergou et al. 2006, "A quadratic bending model").
+        bending: Flexural rigidity [N m] of equilateral triangles bent to a cylinder; isometric bending (Bergou et al.
+            2006, "A quadratic bending model for inextensible surfaces").
         stretch_damping: Damping time of stretch [s]: damping = this times stiffness.
         bend_damping: Damping time of bending [s].
         air: Rate at which velocity decays towards that of the air [1/s].
@@ -28,7 +29,7 @@ class Material:
     density: float = 0.2
     stretch: float = 300.0
     compression: float = 0.3
-    bending: float = 5e-5
+    bending: float = 1.5e-4
     stretch_damping: float = 1e-4
     bend_damping: float = 5e-3
     air: float = 5.0

@@ -6,17 +6,17 @@ from dataclasses import asdict, replace
 import numpy as np
 
 from garmentbench.errors import UserError
+from garmentbench.garments import load_garment
 from garmentbench.motion import Animation, animate
+from garmentbench.motion.placing import place
 from garmentbench.presets import Preset
 from garmentbench.scene import Scene
-from garmentbench.sequence import HUMAN, Garment, Sequence, Template
-from garmentbench.simulation.dress import dress
+from garmentbench.sequence import Garment, Sequence, Template
 from garmentbench.simulation.drive import Drive, drive
 from garmentbench.simulation.material import Material, Settings, override
 
 WINDOW = 150  # frames of the uncertainty's two further runs, warm-up not counted
 PERTURBATION = 1e-3  # [m]
-CUT_FOR = "base"  # the body that baked garments fit
 Step = Callable[[], None]
 
 
@@ -90,16 +90,10 @@ def frame_count(scene: Scene, preset: Preset) -> int:
 
 
 def _prepare(scene: Scene, preset: Preset) -> tuple[Animation, Garment, np.ndarray, Material, Settings]:
-    from garmentbench.bodies import load_body
-    from garmentbench.garments import load_garment
-
     material = override(Material(), scene.material, "material")
     settings = override(Settings(), scene.simulation, "simulation setting")
     garment = load_garment(scene.garment, preset.name)
-    animation = animate(scene, preset)
-    other = animation.body.kind == HUMAN and animation.body.name != CUT_FOR
-    cut_for = load_body(CUT_FOR, preset.body_size).body.rest if other else None
-    return animation, garment, dress(garment, cut_for, animation.body, animation.positions[0]), material, settings
+    return animate(scene, preset), garment, place(garment.rest, scene.motion), material, settings
 
 
 def _summary(run: Drive, warm_up: int, material: Material, settings: Settings, device: str) -> dict:

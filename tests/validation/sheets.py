@@ -1,0 +1,62 @@
+"""Small scenes whose answer can be computed by hand."""
+
+import numpy as np
+
+from garmentbench.sequence import OBJECT, Body, Garment
+from garmentbench.simulation.drive import Drive, drive
+from garmentbench.simulation.material import Material, Settings
+
+FPS = 30.0
+HARD = Material(air=0.0)  # the default fabric in a vacuum
+
+
+def grid(columns: int, rows: int, width: float, height: float, pins: list[int] | None = None) -> Garment:
+    """A flat sheet in the plane z = 0 with its first corner at 0, (columns + 1) x (rows + 1) vertices, row by row."""
+    x, y = np.meshgrid(np.linspace(0, width, columns + 1), np.linspace(0, height, rows + 1))
+    return _garment(np.stack([x, y, 0 * x], axis=-1).reshape(-1, 3), columns, rows, pins)
+
+
+def equilateral(columns: int, rows: int, edge: float, pins: list[int] | None = None) -> Garment:
+    """A flat strip of equilateral triangles, every second row shifted by half an edge."""
+    i, j = np.meshgrid(np.arange(columns + 1), np.arange(rows + 1))
+    points = np.stack([edge * (i + 0.5 * (j % 2)), edge * np.sqrt(0.75) * j, 0.0 * i], axis=-1).reshape(-1, 3)
+    return _garment(points, columns, rows, pins)
+
+
+def _garment(points: np.ndarray, columns: int, rows: int, pins: list[int] | None) -> Garment:
+    i, j = (a.ravel() for a in np.meshgrid(np.arange(columns), np.arange(rows)))
+    a = j * (columns + 1) + i
+    b, c, d = a + 1, a + columns + 1, a + columns + 2
+    even = (j % 2 == 0)[:, None]
+    first = np.where(even, np.column_stack([a, b, c]), np.column_stack([a, b, d]))
+    second = np.where(even, np.column_stack([b, d, c]), np.column_stack([a, d, c]))
+    faces = np.concatenate([first, second]).astype(np.int32)
+    rest = points.astype(np.float32)
+    return Garment("sheet", rest, faces, rest[:, :2], np.zeros((0, 2), np.int32), np.array(pins or [], np.int32))
+
+
+def floor(half: float = 5.0) -> Body:
+    """A square floor at z = 0."""
+    points = np.array([[-half, -half, 0], [half, -half, 0], [half, half, 0], [-half, half, 0]], np.float32)
+    return Body("floor", points, np.array([[0, 1, 2], [0, 2, 3]], np.int32), kind=OBJECT)
+
+
+def tilt(points: np.ndarray, degrees: float) -> np.ndarray:
+    """Points turned about the y axis: what lay on the floor then lies on a slope that falls towards +x."""
+    angle = np.radians(degrees)
+    turn = np.array([[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]])
+    return points.astype(np.float64) @ turn.T
+
+
+def run(
+    garment: Garment,
+    frames: int | np.ndarray,
+    material: Material = HARD,
+    body: Body | None = None,
+    start: np.ndarray | None = None,
+    settings: Settings = Settings(),
+    serial: bool = True,
+) -> Drive:
+    """Drive a sheet from `start` (its rest shape, where None)."""
+    start = garment.rest.astype(np.float64) if start is None else start
+    return drive(garment, start, body, frames, FPS, material, settings, serial=serial)
