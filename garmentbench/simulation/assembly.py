@@ -1,6 +1,7 @@
 """From a garment's template to particles, springs and bending: numpy arrays, made once a simulation."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
@@ -20,7 +21,9 @@ class Fabric:
         edges: Particle pairs, shape (E, 2).
         length: Rest lengths [m], shape (E,).
         stiffness: Spring constants after the cap [N/m], shape (E,).
-        bending: Matrix that takes positions to minus the bending force [N/m], shape (P, P), sparse; rows sum to 0.
+        stencils: Particles of each bending stencil: the ends of an inner edge, then the corners beside it, shape (S, 4).
+        curvature: Their coefficients; the sum of coefficient times position is 0 where the cloth is flat, shape (S, 4).
+        bend_stiffness: Stiffness after the cap [N/m], shape (S,).
         pinned: Whether a particle is held by the collider, shape (P,), bool.
     """
 
@@ -30,8 +33,20 @@ class Fabric:
     edges: np.ndarray
     length: np.ndarray
     stiffness: np.ndarray
-    bending: sp.csr_matrix
+    stencils: np.ndarray
+    curvature: np.ndarray
+    bend_stiffness: np.ndarray
     pinned: np.ndarray
+
+    @cached_property
+    def bending(self) -> sp.csr_matrix:
+        """The matrix that takes positions to minus the bending force [N/m], shape (P, P); rows sum to 0."""
+        count, shape = len(self.stencils), (len(self.stencils), len(self.mass))
+        rows = np.repeat(np.arange(count), 4)
+        curvature = sp.csr_matrix((self.curvature.ravel(), (rows, self.stencils.ravel())), shape=shape)
+        matrix = (curvature.T @ sp.diags(self.bend_stiffness) @ curvature).tocsr()
+        matrix.sort_indices()
+        return matrix
 
 
 def assemble(garment, material: Material, settings: Settings) -> Fabric:
@@ -52,8 +67,9 @@ def assemble(garment, material: Material, settings: Settings) -> Fabric:
     stiffness = _cap(stiffness, 1 / pair.sum(axis=1), settings.stretch_cap)
     pinned = np.zeros(count, bool)
     pinned[particle[garment.pins]] = True
-    bending = _bending(rest, mass, stencils, material.bending, settings.bend_cap)
-    return Fabric(particle, rest, mass, edges, length, stiffness, bending, pinned)
+    curvature, area = _curvature(rest, stencils)
+    bend_stiffness = _cap(material.bending / area, 1 / (curvature**2 / mass[stencils]).sum(axis=1), settings.bend_cap)
+    return Fabric(particle, rest, mass, edges, length, stiffness, stencils, curvature, bend_stiffness, pinned)
 
 
 def weld(vertices: int, seams: np.ndarray) -> tuple[np.ndarray, int]:
@@ -88,29 +104,21 @@ def _edges(faces: np.ndarray, area: np.ndarray) -> tuple[np.ndarray, np.ndarray,
 
 def _cap(stiffness: np.ndarray, inertia: np.ndarray, multiple: float) -> np.ndarray:
     """Stiffness lowered so that no squared frequency stiffness / inertia passes (multiple x median frequency)^2."""
-    squared = stiffness / inertia
-    return np.minimum(stiffness, multiple**2 * np.median(squared) * inertia)
+    if len(stiffness) == 0:
+        return stiffness
+    return np.minimum(stiffness, multiple**2 * np.median(stiffness / inertia) * inertia)
 
 
-def _bending(rest: np.ndarray, mass: np.ndarray, stencils: np.ndarray, modulus: float, cap: float) -> sp.csr_matrix:
-    """Sum over stencils of k c c^T, with c from cotangents of the rest shape and k = modulus / area (Bergou et al. 2006).
+def _curvature(rest: np.ndarray, stencils: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Coefficients (S, 4) of isometric bending from cotangents of the rest shape, and areas (S,) [m^2] that divide the
+    flexural rigidity (Bergou et al. 2006).
 
     Their factor 3 is left out: with it, equilateral triangles bent to a cylinder are three times too stiff.
     """
-    count = len(rest)
-    if len(stencils) == 0 or modulus == 0:
-        return sp.csr_matrix((count, count))
     x0, x1, x2, x3 = rest[stencils].transpose(1, 0, 2)
-    c01, c02 = _cot(x1 - x0, x2 - x0), _cot(x1 - x0, x3 - x0)
-    c03, c04 = _cot(x0 - x1, x2 - x1), _cot(x0 - x1, x3 - x1)
-    c = np.column_stack([c03 + c04, c01 + c02, -c01 - c03, -c02 - c04])
-    area = (np.linalg.norm(np.cross(x1 - x0, x2 - x0), axis=1) + np.linalg.norm(np.cross(x1 - x0, x3 - x0), axis=1)) / 2
-    k = _cap(modulus / area, 1 / (c**2 / mass[stencils]).sum(axis=1), cap)
-    rows = np.repeat(np.arange(len(stencils)), 4)
-    curvature = sp.csr_matrix((c.ravel(), (rows, stencils.ravel())), shape=(len(stencils), count))
-    matrix = (curvature.T @ sp.diags(k) @ curvature).tocsr()
-    matrix.sort_indices()
-    return matrix
+    at0, other0, at1, other1 = _cot(x1 - x0, x2 - x0), _cot(x1 - x0, x3 - x0), _cot(x0 - x1, x2 - x1), _cot(x0 - x1, x3 - x1)
+    coefficients = np.column_stack([at1 + other1, at0 + other0, -at0 - at1, -other0 - other1])
+    return coefficients, _areas(rest, stencils[:, [0, 1, 2]]) + _areas(rest, stencils[:, [0, 1, 3]])
 
 
 def _cot(a: np.ndarray, b: np.ndarray) -> np.ndarray:

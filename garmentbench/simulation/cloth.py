@@ -80,12 +80,15 @@ class Solver:
                 self.collider.move_to(q / self.queries, (q + 1) / self.queries, interval)
                 inputs = [self.collider.mesh.id, self.collider.surface, self.collider.faces, self.cloth, self.contact, interval]
                 self._launch(find_contacts, len(self.cloth.x), inputs)
-            if self.serial:
-                self._launch(advance_serial, 1, [self.cloth, self.contact, self.physics, self.steps])
-                continue
-            for s in range(self.steps):
-                self._launch(force_pass, max(len(self.cloth.ends), len(self.cloth.x)), [self.cloth, self.physics])
-                self._launch(particle_pass, len(self.cloth.x), [self.cloth, self.contact, self.physics, s])
+            self._integrate()
+
+    def _integrate(self) -> None:
+        """All substeps up to the next query."""
+        if self.serial:
+            return self._launch(advance_serial, 1, [self.cloth, self.contact, self.physics, self.steps])
+        for s in range(self.steps):
+            self._launch(force_pass, max(len(self.cloth.ends), len(self.cloth.x)), [self.cloth, self.physics])
+            self._launch(particle_pass, len(self.cloth.x), [self.cloth, self.contact, self.physics, s])
 
     def _launch(self, kernel: wp.Kernel, dim: int, inputs: list) -> None:
         wp.launch(kernel, dim=dim, inputs=inputs, device=self.device)
@@ -114,7 +117,7 @@ def _cloth(fabric: Fabric, start: np.ndarray, device: str) -> Cloth:
         ("bend_column", fabric.bending.indices, int),
         ("bend_value", fabric.bending.data, float),
     ):
-        setattr(c, name, _array(values, kind, device))
+        setattr(c, name, device_array(values, kind, device))
     return c
 
 
@@ -122,7 +125,7 @@ def _contact(start: np.ndarray, device: str) -> Contact:
     count, h = len(start), Contact()
     for name in ("normal", "velocity", "air"):
         setattr(h, name, wp.zeros(count, dtype=wp.vec3, device=device))
-    h.point = _array(start, wp.vec3, device)  # where a pinned particle stays if there is no collider
+    h.point = device_array(start, wp.vec3, device)  # where a pinned particle stays if there is no collider
     h.active = wp.zeros(count, dtype=int, device=device)
     h.reach = wp.full(count, float(FAR), dtype=float, device=device)
     return h
@@ -138,8 +141,9 @@ def _physics(material: Material, settings: Settings, dt: float) -> Physics:
     return p
 
 
-def _array(values: np.ndarray, kind: type, device: str) -> wp.array:
-    if kind is float or kind is wp.vec3:
+def device_array(values: np.ndarray, kind: type, device: str) -> wp.array:
+    """A Warp array of scalars or small vectors."""
+    if kind in (float, wp.vec3, wp.vec4):
         values = np.asarray(values, np.float32)
     else:
         values = np.asarray(values, np.int32)

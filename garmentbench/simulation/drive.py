@@ -1,8 +1,9 @@
 """Drive the solver through a motion, frame by frame, and watch the cloth's strain."""
 
+import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from garmentbench.simulation.assembly import Fabric, assemble
 from garmentbench.simulation.cloth import Solver
 from garmentbench.simulation.material import Material, Settings
 from garmentbench.simulation.stability import substeps
+from garmentbench.simulation.xpbd import XpbdSolver
 
 OK, UNSTABLE = "ok", "unstable"
 STRAIN_LIMIT = 0.20  # 99th percentile of edge strain; an unstable run shows so, it does not become NaN
@@ -53,6 +55,7 @@ def drive(
     settings: Settings,
     device: str = "cpu",
     serial: bool = True,
+    budget: int | None = None,
     step: Callable[[], None] = lambda: None,
 ) -> Drive:
     """Simulate a garment on a moving body.
@@ -65,6 +68,7 @@ def drive(
         fps: Frames a second.
         material, settings: As resolved for the scene.
         device, serial: See `Solver`.
+        budget: Use XPBD with so many substeps a frame instead of the reference solver with as many as it needs.
         step: Called after each frame.
     """
     fabric = assemble(garment, material, settings)
@@ -72,9 +76,12 @@ def drive(
     count = len(origins)
     first = np.zeros_like(fabric.rest)
     first[fabric.particle] = start - origins[0] + _noise(fabric, settings)[fabric.particle]
-    n = substeps(fabric, material, settings, 1 / fps)
+    if budget is not None:
+        settings = replace(settings, queries=math.gcd(settings.queries, budget))
+    n = budget or substeps(fabric, material, settings, 1 / fps)
     surface = None if body is None else (body.faces, frames[0] - origins[0])
-    solver = Solver(fabric, first, surface, material, settings, n, 1 / fps, device, serial)
+    kind = Solver if budget is None else XpbdSolver
+    solver = kind(fabric, first, surface, material, settings, n, 1 / fps, device, serial)
     out = Drive(np.zeros((count, *garment.rest.shape)), np.zeros((count, 2)), np.zeros(count), n, fabric=fabric)
     out.positions[0] = first[fabric.particle] + origins[0]
     begin = time.perf_counter()

@@ -55,8 +55,8 @@ def run(
     body: Body | None = None,
     start: np.ndarray | None = None,
     settings: Settings = Settings(),
-    serial: bool = True,
+    **options: object,
 ) -> Drive:
-    """Drive a sheet from `start` (its rest shape, where None)."""
+    """Drive a sheet from `start` (its rest shape, where None); `options` as of `drive`."""
     start = garment.rest.astype(np.float64) if start is None else start
-    return drive(garment, start, body, frames, FPS, material, settings, serial=serial)
+    return drive(garment, start, body, frames, FPS, material, settings, **options)

@@ -1,0 +1,108 @@
+"""XPBD (Macklin et al. 2016), small: the simulator that a time budget buys, not the reference.
+
+One Gauss-Seidel pass a substep over the same springs, stencils, tangent planes and friction as the reference. It stays
+whole at any number of substeps, but what it converges to depends on them: its stiffness is set by the step.
+"""
+
+from typing import Any
+
+import warp as wp
+
+from garmentbench.simulation.assembly import Fabric
+from garmentbench.simulation.cloth import Solver, device_array
+from garmentbench.simulation.kernels import Cloth, Contact, Physics
+
+
+@wp.struct
+class Bends:
+    """Bending stencils: S of them."""
+
+    stencil: wp.array(dtype=wp.vec4i)
+    coefficient: wp.array(dtype=wp.vec4)
+    stiffness: wp.array(dtype=float)  # [N/m]
+
+
+@wp.func
+def predict(c: Cloth, h: Contact, p: Physics, i: int, since: float):
+    """Free flight; a pinned particle goes where it is held. y keeps the old position."""
+    c.y[i] = c.x[i]
+    if c.pinned[i] == 1:
+        c.x[i] = h.point[i] + (since + p.dt) * h.velocity[i]
+    else:
+        v = c.v[i] - wp.vec3(0.0, 0.0, p.gravity * p.dt)
+        v = h.air[i] + p.air_keep * (v - h.air[i])
+        c.x[i] = c.x[i] + p.dt * v
+
+
+@wp.func
+def project_edge(c: Cloth, p: Physics, e: int):
+    """Bring one edge to its length as far as its compliance 1 / (k dt^2) lets it."""
+    a = c.ends[e][0]
+    b = c.ends[e][1]
+    d = c.x[b] - c.x[a]
+    l = wp.length(d)
+    k = c.stiffness[e]
+    if l < c.length[e]:
+        k = k * p.compression
+    wa = c.inverse_mass[a] * float(1 - c.pinned[a])
+    wb = c.inverse_mass[b] * float(1 - c.pinned[b])
+    push = (l - c.length[e]) / (wa + wb + 1.0 / (k * p.dt * p.dt)) * d / wp.max(l, 1.0e-9)
+    c.x[a] = c.x[a] + wa * push
+    c.x[b] = c.x[b] - wb * push
+
+
+@wp.func
+def project_bend(c: Cloth, b: Bends, p: Physics, s: int):
+    """Flatten one stencil likewise; its constraint is linear, so each axis is projected exactly."""
+    off = wp.vec3(0.0)
+    weight = 1.0 / (b.stiffness[s] * p.dt * p.dt)
+    for k in range(4):
+        i = b.stencil[s][k]
+        off += b.coefficient[s][k] * c.x[i]
+        weight += b.coefficient[s][k] * b.coefficient[s][k] * c.inverse_mass[i] * float(1 - c.pinned[i])
+    for k in range(4):
+        i = b.stencil[s][k]
+        c.x[i] = c.x[i] - c.inverse_mass[i] * float(1 - c.pinned[i]) * b.coefficient[s][k] / weight * off
+
+
+@wp.func
+def settle(c: Cloth, h: Contact, p: Physics, i: int, since: float):
+    """Push out of the body, rub against it, and take the velocity from the way gone."""
+    if h.active[i] == 1:
+        plane = h.point[i] + (since + p.dt) * h.velocity[i]
+        depth = p.thickness - wp.dot(c.x[i] - plane, h.normal[i])
+        if depth > 0.0:
+            c.x[i] = c.x[i] + depth * h.normal[i]
+            way = c.x[i] - c.y[i] - p.dt * h.velocity[i]
+            way = way - wp.dot(way, h.normal[i]) * h.normal[i]
+            c.x[i] = c.x[i] - wp.min(1.0, p.friction * depth / wp.max(wp.length(way), 1.0e-9)) * way
+    c.v[i] = (c.x[i] - c.y[i]) / p.dt
+
+
+@wp.kernel(enable_backward=False)
+def advance_xpbd(c: Cloth, h: Contact, b: Bends, p: Physics, substeps: int):
+    """All substeps up to the next query, one thread: Gauss-Seidel goes from edge to edge."""
+    for s in range(substeps):
+        since = float(s) * p.dt
+        for i in range(c.x.shape[0]):
+            predict(c, h, p, i, since)
+        for e in range(c.ends.shape[0]):
+            project_edge(c, p, e)
+        for k in range(b.stiffness.shape[0]):
+            project_bend(c, b, p, k)
+        for i in range(c.x.shape[0]):
+            settle(c, h, p, i, since)
+
+
+class XpbdSolver(Solver):
+    """`Solver` with XPBD in place of the explicit integrator; takes any number of substeps."""
+
+    def __init__(self, fabric: Fabric, *args: Any, **options: Any) -> None:
+        super().__init__(fabric, *args, **options)
+        b = self.bends = Bends()
+        b.stencil = device_array(fabric.stencils, wp.vec4i, self.device)
+        b.coefficient = device_array(fabric.curvature, wp.vec4, self.device)
+        b.stiffness = device_array(fabric.bend_stiffness, float, self.device)
+
+    def _integrate(self) -> None:
+        self._launch(advance_xpbd, 1, [self.cloth, self.contact, self.bends, self.physics, self.steps])
