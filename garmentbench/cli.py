@@ -8,6 +8,7 @@ import difflib
 import io
 import os
 import sys
+import warnings
 from collections.abc import Sequence
 from dataclasses import fields
 from functools import reduce
@@ -26,6 +27,12 @@ Example: garmentbench evals --preset smoke"""
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and give its exit code. `arguments` are those of the process by default."""
     arguments = list(sys.argv[1:] if arguments is None else arguments)
+    with warnings.catch_warnings():
+        warnings.showwarning = _show_warning
+        return _run(arguments)
+
+
+def _run(arguments: list[str]) -> int:
     try:
         if arguments == ["--version"]:
             print(f"garmentbench {garmentbench.__version__}")
@@ -64,6 +71,10 @@ def parse(arguments: list[str]) -> Command:
     if unknown:
         raise _unknown_argument(unknown[0], name, command)
     return command
+
+
+def _show_warning(message: Warning | str, *_: object) -> None:
+    print(f"garmentbench: warning: {message}", file=sys.stderr)
 
 
 def _unknown_argument(argument: str, name: str, command: Command) -> UsageError:

@@ -17,8 +17,17 @@ def take(file: Path) -> TextIOWrapper:
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
         lock = file.open("a+")
+        _wait_for(lock, file)
+        lock.truncate(0)
+        lock.write(str(os.getpid()))
+        lock.flush()
     except OSError as e:
         raise UserError(f"{file.parent}: can't be written to ({e.strerror}); free some space or mend its rights") from e
+    return lock
+
+
+def _wait_for(lock: TextIOWrapper, file: Path) -> None:
+    """Wait until the lock is ours, saying who has it."""
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
@@ -28,10 +37,6 @@ def take(file: Path) -> TextIOWrapper:
             raise RuntimeError(f"{file} is locked by this process already") from None
         print(f"{file}: waiting for process {holder or '?'}, which is at it", file=sys.stderr, flush=True)
         fcntl.flock(lock, fcntl.LOCK_EX)
-    lock.truncate(0)
-    lock.write(str(os.getpid()))
-    lock.flush()
-    return lock
 
 
 def held(file: Path) -> bool:

@@ -5,6 +5,7 @@ import platform
 import resource
 import subprocess
 import sys
+from contextlib import suppress
 from importlib import metadata
 from pathlib import Path
 
@@ -53,10 +54,27 @@ def code_version() -> str:
     return f"{garmentbench.__version__}+{commit}"
 
 
-def peak_memory_mb() -> float:
-    """The most memory this process has held so far [MB]."""
+def forget_peak_memory() -> None:
+    """Let the peak begin anew, where the system can: a worker process does many runs, one after the other."""
+    reset = Path("/proc/self/clear_refs")
+    if reset.is_file():
+        with suppress(PermissionError):  # some containers forbid it; the peak is then the whole process's
+            reset.write_text("5")
+    torch = sys.modules.get("torch")
+    if torch is not None and torch.cuda.is_initialized():
+        torch.cuda.reset_peak_memory_stats()
+
+
+def peak_memory_mb() -> dict[str, float]:
+    """The most memory this process has held [MB], and that torch has held on a CUDA device where it uses one."""
     status = Path("/proc/self/status")
     if status.is_file():  # getrusage counts the parent's memory in a process that was just started
         line = next(line for line in status.read_text().splitlines() if line.startswith("VmHWM"))
-        return round(int(line.split()[1]) / 1024, 1)
-    return round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20, 1)
+        peak = {"process": round(int(line.split()[1]) / 1024, 1)}
+    else:
+        unit = 2**20 if sys.platform == "darwin" else 2**10
+        peak = {"process": round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit, 1)}
+    torch = sys.modules.get("torch")
+    if torch is not None and torch.cuda.is_initialized():
+        peak["cuda"] = round(torch.cuda.max_memory_allocated() / 2**20, 1)
+    return peak

@@ -76,7 +76,7 @@ def _simulated(scene: Scene, preset: Preset) -> Sequence:
 
     quiet_warp()
     device = "cuda:0" if has_cuda() else "cpu"
-    steps = frame_count(scene, preset)
+    steps = frame_count(scene, preset) - 1  # the first frame is given
     with track(steps, f"simulate {scene.name}") as step:
         sequence = simulate(scene, preset, step, device)
     warm_up = steps - min(scene.frames, preset.frame_limit or scene.frames)

@@ -19,7 +19,7 @@ from garmentbench.atomic import write_text
 from garmentbench.errors import UsageError, UserError
 from garmentbench.fingerprint import content_hash, plain
 from garmentbench.lock import held, take
-from garmentbench.machine import code_version, machine, packages, peak_memory_mb
+from garmentbench.machine import code_version, forget_peak_memory, machine, packages, peak_memory_mb
 
 BEAT_SECONDS = 2.0  # times.json is this fresh when a process is killed
 
@@ -115,7 +115,7 @@ class Run:
         at it. It is released with this run at the latest."""
         stage_id = run_id(name, identity)
         if stage_id not in self._stages:
-            self._stages[stage_id] = self.store.open(name, identity)
+            self._stages[stage_id] = self.store.take(name, identity)
         return self._stages[stage_id]
 
     def finish(self, results: dict | None = None) -> None:
@@ -145,9 +145,9 @@ class Run:
             self._log.close()
             self._log = None
         if self._lock is not None:
-            self._keep_time(now=True)
-            self._lock.close()
-            self._lock = None
+            lock, self._lock = self._lock, None
+            with lock:  # released even if the time can't be written, for the disk is full
+                self._keep_time(now=True)
 
     def _begin(self) -> None:
         """Note what is about to be worked on, and when."""
@@ -174,6 +174,11 @@ class RunStore:
 
         Waits while another process works on it. Raises `UserError` where the store can't be written to.
         """
+        forget_peak_memory()
+        return self.take(kind, identity)
+
+    def take(self, kind: str, identity: dict) -> Run:
+        """As `open`, within a run whose peak memory is being measured."""
         identity = json.loads(json.dumps(identity, default=plain))
         folder = self.root / run_id(kind, identity)
         lock = take(folder / "lock")

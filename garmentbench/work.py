@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from garmentbench import sequence_file
+from garmentbench.atomic import write_text
 from garmentbench.device import device_name, quiet_warp, require_device
 from garmentbench.errors import UsageError, UserError, unknown_name
 from garmentbench.fingerprint import fingerprint
@@ -156,6 +157,6 @@ def _foreign_code(run: Run, doing: str) -> Iterator[None]:
         raise
     except Exception as e:  # a method may be anybody's, and raise anything
         file = run.folder / "error.txt"
-        file.write_text(traceback.format_exc())
+        write_text(file, traceback.format_exc())
         name = run.identity["method"]
         raise UserError(f"{name}: {doing} raised {type(e).__name__}: {e}; the traceback is in {file}") from e

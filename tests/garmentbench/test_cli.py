@@ -225,15 +225,16 @@ def test_more_frames_than_a_scene_has(tiny, capsys, monkeypatch):
     assert code == 1 and "20 frames, 30 were asked for" in lines[0]
 
 
-def test_a_disk_that_fills_leaves_no_result_that_looks_whole(tiny, home, capsys):
-    limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))"
-    full = process(home, *evaluate("Good", tiny), before=limit)
+@pytest.mark.parametrize("limit", [100, 15_000])  # too small for the first file of a run; for the last
+def test_a_disk_that_fills_leaves_no_result_that_looks_whole(tiny, home, capsys, limit):
+    typed(capsys, *evaluate("Raises", tiny))  # compiles kernels, which this is not about
+    full = process(home, *evaluate("Good", tiny), before=f"import resource; resource.setrlimit(resource.RLIMIT_FSIZE, 2 * ({limit},))")
     err = full.communicate(timeout=60)[1].splitlines()
-    assert full.returncode == 1 and len(err) == 1 and "can't be written" in err[0] and "same command again" in err[0]
-    assert not list(home.rglob("*.partial"))
-    assert [r.state for r in RunStore().list({"kind": "evaluate"})] == ["interrupted"]
+    assert full.returncode == 1 and "can't be written" in err[-1] and "same command again" in err[-1]
+    assert not any("Traceback" in line for line in err) and not list(home.rglob("*.partial"))
+    assert not RunStore().list({"kind": "evaluate", "method": "foreign_methods:Good", "state": "finished"})
     assert typed(capsys, *evaluate("Good", tiny))[0] == 0
-    assert [r.state for r in RunStore().list({"kind": "evaluate"})] == ["finished"]
+    assert RunStore().list({"kind": "evaluate", "method": "foreign_methods:Good", "state": "finished"})
 
 
 def test_ctrl_c_in_a_simulation_then_the_same_command(home):

@@ -9,6 +9,7 @@ import textwrap
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from garmentbench.compare import compare
@@ -21,9 +22,10 @@ IDENTITY = {"config": {"width": 8, "rate": 1e-3}, "data": "abc", "code": "def", 
 def process(store: Path, body: str) -> subprocess.Popen:
     """A process that opens the run of `IDENTITY` as `run`, then does `body`."""
     code = f"""
-        import time, sys
+        import time
+        from pathlib import Path
         from garmentbench.runs import RunStore
-        run = RunStore({str(store)!r}).open("train", {IDENTITY!r})
+        run = RunStore(Path({str(store)!r})).open("train", {IDENTITY!r})
     """
     script = textwrap.dedent(code) + textwrap.dedent(body)
     return subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
@@ -57,7 +59,7 @@ def test_a_finished_run_is_reused(tmp_path):
     again = store.open("train", IDENTITY)
     assert again.finished and again.results == {"l2": 1.5}
     record = json.loads((again.folder / "run.json").read_text())
-    assert record["identity"] == IDENTITY and record["machine"]["cores"] >= 1 and record["peak_memory_mb"] > 1
+    assert record["identity"] == IDENTITY and record["machine"]["cores"] >= 1 and record["peak_memory_mb"]["process"] > 1
     assert {"code_version", "packages", "times"} <= record.keys()
 
 
@@ -140,6 +142,19 @@ def test_a_stage_is_shared_and_released_with_its_run(tmp_path):
         assert stage.finished and stage.kind == "sdf"
         other.stage("stage_1", {"data": "abc"})  # left unfinished
     assert store.list({"kind": "stage_1"})[0].state == "interrupted"
+
+
+def test_peak_memory_is_the_runs_own(tmp_path):
+    store = RunStore(tmp_path)
+
+    def peak(seed: int, numbers: int) -> float:
+        with store.open("train", IDENTITY | {"seed": seed}) as run:
+            np.ones(numbers)
+            run.finish()
+        return store.get(run.id).record["peak_memory_mb"]["process"]
+
+    big = peak(0, 40_000_000)
+    assert big - peak(1, 1) > 200 if Path("/proc/self/clear_refs").is_file() else big > 300
 
 
 def test_get_by_prefix_and_by_a_wrong_name(tmp_path):
