@@ -106,6 +106,7 @@ def evaluate(trained: Run, scene: str, preset: Preset, store: RunStore) -> Run:
     """
     from garmentbench.evaluation import evaluate as measure
     from garmentbench.recording import write_recording
+    from garmentbench.report import write_material
 
     _ = trained.results  # says so where the training is not finished
     method = load_method(trained.identity["method"])
@@ -127,6 +128,7 @@ def evaluate(trained: Run, scene: str, preset: Preset, store: RunStore) -> Run:
                 learnt = method.load(trained.folder / "method")
             roll, one = _predict(learnt, sequence, run)
             roll.save(run.folder / "rollout.h5")
+            write_material(run.folder, sequence, roll)
             write_recording(run.folder / "recording.rrd", sequence, roll, f"{trained.identity['method']} on {scene}")
             run.finish({
                 "rows": measure(roll, one, sequence),
