@@ -15,7 +15,7 @@ FLAT = 0.25  # a phase at which it is flat
 HEEL_OFF = 0.34
 CLEARANCE = 0.03  # lowest point of the foot in mid-swing [m]
 _GRID = 720  # phases at which the rolling is worked out
-_SMOOTH = 6.0  # the contact jumps from vertex to vertex: smoothed over so many grid phases (a quarter of a frame)
+_BLUR = 6.0  # the contact jumps from vertex to vertex: smoothed over so many grid phases (a quarter of a frame)
 
 
 @dataclass(frozen=True)
@@ -60,17 +60,27 @@ def roll_foot(baked: BakedBody, gait: Gait) -> FootRoll:
     vertex is lifted, and the ankle is brought back to where the next roll begins.
     """
     phase = np.arange(_GRID + 1) / _GRID
-    sole = _sole(baked, foot_pitch(gait, phase), toe_bend(gait, phase))
+    pitch = foot_pitch(gait, phase)
+    sole = _sole(baked, pitch, toe_bend(gait, phase))
     lowest = sole[:, :, 2].argmin(axis=1)
-    height = -sole[:, :, 2].min(axis=1) + CLEARANCE * bump((phase - STANCE) / (1 - STANCE))
+    needed = -sole[:, :, 2].min(axis=1) + CLEARANCE * bump((phase - STANCE) / (1 - STANCE))
+    height = _smooth(needed)
+    sunk_in = (needed - height).max()  # under 1 mm, by the smoothing; the flat foot stands as at rest
+    height += sunk_in * smoothstep(np.abs(pitch) / np.radians(5))
+
     frames = np.arange(_GRID)
-    contact_moves = -(sole[frames + 1, lowest[:-1], 1] - sole[frames, lowest[:-1], 1])  # forward is -y
-    forward = np.concatenate([[0.0], -np.cumsum(contact_moves)])
-    forward -= forward[round(FLAT * _GRID)]
+    contact_moves = sole[frames, lowest[:-1], 1] - sole[frames + 1, lowest[:-1], 1]  # forward is -y
+    forward = -np.concatenate([[0.0], np.cumsum(contact_moves)])
     last = round(STANCE * _GRID)
-    ends = [[forward[last], (forward[last] - forward[last - 1]) * _GRID, 0.0], [forward[0], (forward[1] - forward[0]) * _GRID, 0.0]]
-    forward[last:] = BPoly.from_derivatives([phase[last], 1.0], ends)(phase[last:])
-    return FootRoll(gait, _periodic(phase, forward), _periodic(phase, height))
+    lifted = [forward[last], (forward[last] - forward[last - 1]) * _GRID, 0.0]
+    landed = [forward[0], (forward[1] - forward[0]) * _GRID, 0.0]
+    forward[last:] = BPoly.from_derivatives([phase[last], 1.0], [lifted, landed])(phase[last:])
+    forward = _smooth(forward)
+    return FootRoll(
+        gait,
+        forward=CubicSpline(phase, forward - forward[round(FLAT * _GRID)], bc_type="periodic"),
+        height=CubicSpline(phase, height, bc_type="periodic"),
+    )
 
 
 def _sole(baked: BakedBody, pitch: np.ndarray, bend: np.ndarray) -> np.ndarray:
@@ -93,6 +103,7 @@ def pitch_up(angle: np.ndarray) -> np.ndarray:
     return np.stack([one, zero, zero, zero, c, s, zero, -s, c], axis=-1).reshape(*np.shape(angle), 3, 3)
 
 
-def _periodic(phase: np.ndarray, values: np.ndarray) -> CubicSpline:
-    smooth = gaussian_filter1d(values[:-1], _SMOOTH, mode="wrap")
-    return CubicSpline(phase, np.append(smooth, smooth[0]), bc_type="periodic")
+def _smooth(values: np.ndarray) -> np.ndarray:
+    """Smoothed over a cycle whose last value is the first."""
+    smooth = gaussian_filter1d(values[:-1], _BLUR, mode="wrap")
+    return np.append(smooth, smooth[0])

@@ -5,11 +5,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from garmentbench.motion.easing import smoothstep
+from garmentbench.motion.foot import HEEL_OFF
 from garmentbench.motion.gait import Gait
 from garmentbench.scene import Motion
 
 WARM_UP = 60  # frames before frame 0
-START = -0.14  # phase at which the right heel comes off the ground
+START = HEEL_OFF - 0.54  # just before the right heel, as the first, comes off the ground
+_STEPPING = 8  # frames from the start in which only the pose changes
+_DRESSED = 26  # frames from the start until the pose is the walk's
+_MORPHED = 25  # frames from the start until the shape is the scene's
 FREEZE_TIME = 0.3  # seconds in which a body comes to a standstill
 _LIKED = 1.6  # final speed of the phase over its mean in the warm-up; monotone from 0 to 2.5
 
@@ -32,18 +36,19 @@ class Timing:
 def timing(gait: Gait, motion: Motion, frames: int, fps: float) -> Timing:
     """The timing of `frames` frames and their warm-up."""
     rate = motion.speed / (gait.period * fps)  # cycles a frame
-    before = np.arange(WARM_UP)
-    start = _start(before / WARM_UP, rate * WARM_UP)
+    stepping = WARM_UP - _STEPPING
+    start = _start((np.arange(WARM_UP) - _STEPPING) / stepping, rate * stepping)
     phase = round(start[-1] + rate) + rate * _played(np.arange(frames), motion.freeze_after, fps)
     return Timing(
         phase=np.concatenate([start, phase]),
-        dressed=smoothstep(np.arange(WARM_UP + frames) / (0.5 * WARM_UP)),
-        shape=smoothstep(np.arange(WARM_UP + frames) / 25),
+        dressed=smoothstep(np.arange(WARM_UP + frames) / _DRESSED),
+        shape=smoothstep(np.arange(WARM_UP + frames) / _MORPHED),
     )
 
 
 def _start(u: np.ndarray, rate: float) -> np.ndarray:
-    """Phase from a standstill at START, u = 0, to a whole number at `rate` at u = 1; C2."""
+    """Phase from a standstill at START until u = 0 to a whole number at `rate` at u = 1; C2."""
+    u = np.maximum(u, 0.0)
     cycles = max(1, round(rate / _LIKED + START)) - START
     return START + cycles * smoothstep(u) + rate * u**3 * (u * (7 - 3 * u) - 4)
 

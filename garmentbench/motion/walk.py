@@ -12,8 +12,9 @@ from garmentbench.motion.gait import Gait
 from garmentbench.motion.legs import Leg, rest_leg, solve_leg, unit
 
 MID_STANCE = 0.225  # phase at which the pelvis passes over the flat foot
-_STARTING = 0.4  # the pelvis comes up to speed within this many cycles before and after it
-_STRETCH = 0.994  # of a leg's full reach, at most: the knee keeps a bend of 12 degrees
+_STARTING = 0.36  # the pelvis comes up to speed within this many cycles before and after it
+_STRETCH = 0.994  # of a leg's full reach, at most, in walking: the knee keeps a bend of 12 degrees
+_LIMIT = 0.9985  # ... ever, which only a start at great speed comes to; the rest pose has 0.9973
 # How far each bone of the trunk has turned from the pelvis' attitude (0) to the chest's (1).
 _TRUNK = {"pelvis": 0.0, "spine": 0.2, "waist": 0.6, "chest": 1.0, "neck": 1.0, "clavicle.L": 1.0, "clavicle.R": 1.0}
 
@@ -41,8 +42,9 @@ def walk(baked: BakedBody, gait: Gait, phase: np.ndarray, dressed: np.ndarray) -
     _arms(baked, gait, phase, dressed, rotations)
     root = _pelvis(baked, gait, phase, dressed)
     root[:, 2] += dressed * (_pelvis_height(baked, gait, roll) - baked.joints[0, 2])
-    for side, offset in (("L", 0.0), ("R", 0.5)):
-        _leg(baked, gait, roll, side, np.maximum(phase + offset, FLAT), dressed, root, rotations)
+    root[:, 2] = np.minimum(root[:, 2], _highest(baked, gait, roll, phase, root, rotations, _LIMIT))
+    for side in "LR":
+        _leg(baked, gait, roll, side, phase, dressed, root, rotations)
     return Walk(rotations, root)
 
 
@@ -98,10 +100,14 @@ def _bob(gait: Gait, phase: np.ndarray) -> np.ndarray:
     return gait.bob * np.cos(4 * np.pi * (phase - MID_STANCE))
 
 
-def _ankle(
-    baked: BakedBody, gait: Gait, roll: FootRoll, side: str, phase: np.ndarray, dressed: np.ndarray
-) -> np.ndarray:
-    """Path of an ankle over its own phase, shape (T, 3). A foot moves to the side only while it is in the air."""
+def _foot_phase(phase: np.ndarray, side: str) -> np.ndarray:
+    """A foot's own phase (0: its heel strike), which begins when it first leaves the ground."""
+    return np.maximum(phase + (0.0 if side == "L" else 0.5), FLAT)
+
+
+def _ankle(baked: BakedBody, gait: Gait, roll: FootRoll, side: str, phase: np.ndarray) -> np.ndarray:
+    """Path of an ankle, shape (T, 3). A foot moves to the side only while it is in the air."""
+    phase = _foot_phase(phase, side)
     rest = baked.joints[baked.joint_names.index(f"foot.{side}")]
     lead = 0.0 if side == "L" else 0.5  # the right foot's steps fall half a stride short of the left's
     steps, swing = np.floor(phase), np.clip((phase - np.floor(phase) - STANCE) / (1 - STANCE), 0.0, 1.0)
@@ -124,28 +130,38 @@ def _leg(
     baked: BakedBody, gait: Gait, roll: FootRoll, side: str, phase: np.ndarray, dressed: np.ndarray,
     root: np.ndarray, rotations: np.ndarray,
 ) -> None:
+    """Foot and toes roll as they must; thigh and calf follow."""
     joint = {name: baked.joint_names.index(f"{name}.{side}") for name in ("thigh", "calf", "foot", "toes")}
     leg = rest_leg(baked, side)
     hip = root + rotations[:, 0] @ (baked.joints[joint["thigh"]] - baked.joints[0])
     forward = np.array([np.sign(leg.thigh[0, 0]) * 0.12, -1.0, 0.0])  # the knees turn out a little, as the feet do
     knee = leg.knee + dressed[:, None] * (forward - leg.knee)
-    ankle = _ankle(baked, gait, roll, side, phase, dressed)
+    ankle = _ankle(baked, gait, roll, side, phase)
     rotations[:, joint["thigh"]], rotations[:, joint["calf"]] = solve_leg(leg, hip, ankle, knee)
-    rotations[:, joint["foot"]] = pitch_up(roll.pitch(phase))
-    rotations[:, joint["toes"]] = pitch_up(roll.pitch(phase) + roll.bend(phase))
+    pitch, bend = roll.pitch(_foot_phase(phase, side)), roll.bend(_foot_phase(phase, side))
+    rotations[:, joint["foot"]] = pitch_up(pitch)
+    rotations[:, joint["toes"]] = pitch_up(pitch + bend)
+
+
+def _highest(
+    baked: BakedBody, gait: Gait, roll: FootRoll, phase: np.ndarray, root: np.ndarray, rotations: np.ndarray,
+    stretch: float,
+) -> np.ndarray:
+    """The height of the pelvis joint [m] at which a leg comes to `stretch` of its reach, shape (T,)."""
+    heights = []
+    for side in "LR":
+        thigh = baked.joints[baked.joint_names.index(f"thigh.{side}")] - baked.joints[0]
+        ankle, hip = _ankle(baked, gait, roll, side, phase), rotations[:, 0] @ thigh
+        across = (ankle - root - hip)[:, :2]
+        up = np.sqrt((stretch * rest_leg(baked, side).reach) ** 2 - np.sum(across**2, axis=1))
+        heights.append(ankle[:, 2] + up - hip[:, 2])
+    return np.min(heights, axis=0)
 
 
 def _pelvis_height(baked: BakedBody, gait: Gait, roll: FootRoll) -> float:
     """The mean height of the pelvis joint [m] at which the legs are just not stretched at any time of the cycle."""
     phase = 3 + np.arange(240) / 240
-    full = np.ones_like(phase)
     rotations = np.tile(np.eye(3), (len(phase), len(baked.joint_names), 1, 1))
-    _trunk(baked, gait, phase, full, rotations)
-    root = _pelvis(baked, gait, phase, full) - [0.0, 0.0, baked.joints[0, 2]]
-    highest = []
-    for side, offset in (("L", 0.0), ("R", 0.5)):
-        thigh = baked.joints[baked.joint_names.index(f"thigh.{side}")] - baked.joints[0]
-        to_ankle = _ankle(baked, gait, roll, side, phase + offset, full) - (root + rotations[:, 0] @ thigh)
-        stretched = _STRETCH * rest_leg(baked, side).reach
-        highest.append(to_ankle[:, 2] + np.sqrt(stretched**2 - np.sum(to_ankle[:, :2] ** 2, axis=1)))
-    return float(np.min(highest))
+    _trunk(baked, gait, phase, np.ones_like(phase), rotations)
+    root = _pelvis(baked, gait, phase, np.ones_like(phase))
+    return float(np.min(_highest(baked, gait, roll, phase, root, rotations, _STRETCH) - _bob(gait, phase)))

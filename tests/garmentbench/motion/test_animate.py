@@ -1,0 +1,102 @@
+"""A scene's motion: where it starts, how speed, freeze, place and frame limits change it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from garmentbench.bodies import load_body
+from garmentbench.errors import UsageError
+from garmentbench.motion import animate, motion_names
+from garmentbench.motion.gait import GAITS
+from garmentbench.motion.timing import WARM_UP, timing
+from garmentbench.presets import PRESETS
+from garmentbench.scene import Motion, Scene
+
+LAPTOP = PRESETS["laptop"]
+
+
+def scene(name: str = "armspace-75", body: str = "base", frames: int = 12, **motion) -> Scene:
+    return Scene("a-scene", "tshirt", body, Motion(name, **motion), "train", frames)
+
+
+@pytest.mark.parametrize("body", ["base", "heavy"])
+def test_warm_up_starts_at_rest_in_the_base_shape_and_ends_in_its_own(body):
+    animation = animate(scene(body=body), LAPTOP)
+    assert animation.positions.dtype == np.float64
+    assert len(animation.positions) == animation.warm_up + 12 and animation.body.name == body
+    base = load_body("base", "small").body.rest
+    np.testing.assert_allclose(animation.positions[0], base, atol=1e-9)
+    assert np.abs(animation.positions[1] - animation.positions[0]).max() < 1e-3  # at rest, too
+    feet = animation.positions[animation.warm_up :, :, 2].min(axis=1)
+    assert (feet > -1e-6).all() and (feet < 0.004).all()
+
+
+@pytest.mark.parametrize("name", GAITS)
+def test_warm_up_is_smooth(name):
+    positions = animate(scene(name, body="slim"), LAPTOP).positions
+    acceleration = np.diff(positions, n=2, axis=0) * 30**2
+    assert np.linalg.norm(acceleration, axis=-1).max() < 130  # a fast walk's toes have 95
+    assert positions[:, :, 2].min() > -1e-3  # morphing feet may touch the ground
+
+
+def test_double_speed_is_double_phase():
+    once = timing(GAITS["armspace-75"], Motion("armspace-75"), 20, 30.0).phase[WARM_UP:]
+    twice = timing(GAITS["armspace-75"], Motion("armspace-75", speed=2.0), 10, 30.0).phase[WARM_UP:]
+    np.testing.assert_allclose(twice - twice[0], once[::2] - once[0], atol=1e-12)
+    slow, fast = (animate(scene(frames=n, speed=v), LAPTOP).positions[WARM_UP:] for n, v in ((20, 1.0), (10, 2.0)))
+    np.testing.assert_allclose(fast - fast[0], slow[::2] - slow[0], atol=1e-9)
+
+
+@pytest.mark.parametrize("speed", [0.5, 1.0, 2.0, 4.0, 8.0])
+@pytest.mark.parametrize("name", GAITS)
+def test_phase_never_runs_back_and_joins_frame_0_smoothly(name, speed):
+    phase = timing(GAITS[name], Motion(name, speed=speed), 10, 30.0).phase
+    rate = speed / (GAITS[name].period * 30)
+    assert (np.diff(phase) >= -1e-12).all()
+    assert phase[WARM_UP] % 1 == 0
+    assert phase[WARM_UP] - phase[WARM_UP - 1] == pytest.approx(rate, rel=0.03)
+
+
+@pytest.mark.parametrize("speed", [1.0, 4.0])
+def test_freeze_eases_to_an_exact_standstill(speed):
+    positions = animate(scene(frames=40, freeze_after=10, speed=speed), LAPTOP).positions[WARM_UP:]
+    free = animate(scene(frames=40, speed=speed), LAPTOP).positions[WARM_UP:]
+    np.testing.assert_array_equal(positions[:11], free[:11])
+    assert (positions[19:] == positions[19]).all()
+    pelvis = positions.mean(axis=1)[:, 1]
+    pace = -np.diff(pelvis)
+    assert (pace[9:20] >= -1e-9).all() and np.abs(np.diff(pace)).max() < 0.25 * pace[:9].max()
+
+
+def test_translate_and_turn_move_all_of_it_rigidly():
+    plain = animate(scene(), LAPTOP).positions
+    placed = animate(scene(translate=(1000.0, -20.0, 0.0), turn=90.0), LAPTOP).positions
+    quarter = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    np.testing.assert_allclose(placed, plain @ quarter.T + [1000.0, -20.0, 0.0], rtol=0, atol=1e-9)
+
+
+def test_no_drift_over_a_long_walk():
+    """After 1,155 frames, 35 cycles, the pose is the first one's to rounding."""
+    gait = GAITS["armspace-75"]
+    when = timing(gait, Motion("armspace-75"), 1156, 30.0)
+    assert when.phase[WARM_UP + 1155] - when.phase[WARM_UP] == pytest.approx(35, abs=1e-10)
+
+
+def test_preset_limits_frames_and_chooses_the_mesh():
+    assert len(animate(scene(frames=300), PRESETS["smoke"]).positions) == WARM_UP + 40
+    full = replace(LAPTOP, body_size="full")
+    assert animate(scene(frames=4), full).positions.shape == (WARM_UP + 4, 13348, 3)
+
+
+def test_both_sizes_walk_alike():
+    small = animate(scene(frames=4), LAPTOP).positions[WARM_UP]
+    full = animate(scene(frames=4), replace(LAPTOP, body_size="full")).positions[WARM_UP]
+    np.testing.assert_allclose(small.min(axis=0), full.min(axis=0), atol=0.006)
+    np.testing.assert_allclose(small.max(axis=0), full.max(axis=0), atol=0.006)
+
+
+def test_unknown_motion_is_told():
+    assert {"armspace-75", "catwalk", "stick-a"} <= set(motion_names())
+    with pytest.raises(UsageError, match="did you mean 'catwalk'"):
+        animate(scene("catwlk"), LAPTOP)
