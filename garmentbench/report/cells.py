@@ -24,20 +24,16 @@ def number(value: float) -> str:
 
 
 def value_cell(value: Value | None, bold: bool = False) -> Cell:
-    """Mean ± interval; how it ended where there is no value; both where only some seeds have one."""
+    """Mean ± interval; "diverged" or "failed" where there is no value; both where only some seeds have one."""
     if value is None:
         return Cell(ABSENT)
+    ended = "; ".join(dict.fromkeys(ending.split(" at ")[0] for ending in value.endings if ending != "ok"))
     if math.isnan(value.mean):
-        return Cell(_ended(value), bad=True) if value.endings else Cell(ABSENT)
+        return Cell(ended or ABSENT, bad=bool(ended))
     text = number(value.mean) + (f" ± {number(value.interval)}" if value.interval is not None else "")
-    if value.endings:
-        return Cell(f"{text} ({len(value.endings)} of {value.seeds}: {_ended(value)})", bad=True)
+    if ended:
+        return Cell(f"{text} ({len(value.endings)} of {value.seeds} {ended})", bad=True)
     return Cell(text, bold=bold)
-
-
-def _ended(value: Value) -> str:
-    """How the seeds without a value ended; one that ended well has no value of this metric."""
-    return "; ".join(dict.fromkeys(ABSENT if e.split()[0] == "ok" else e for e in value.endings))
 
 
 def status_cell(line: Line) -> Cell:

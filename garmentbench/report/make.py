@@ -7,7 +7,6 @@ from garmentbench.atomic import written_whole
 from garmentbench.errors import UserError
 from garmentbench.report.material import FILE, read_material
 from garmentbench.report.page import Ended, Section, page
-from garmentbench.report.pictures import pictures_of
 from garmentbench.report.results import REFERENCE, Line, lines, read_results
 from garmentbench.report.table import html_table, latex, markdown
 from garmentbench.report.tables import NEEDS, all_tables
@@ -25,6 +24,8 @@ def make_report(preset: str, reports_root: Path, runs_root: Path) -> Path:
     Raises:
         UserError: results.csv is missing or wrong, or runs that it names are missing; nothing is changed then.
     """
+    from garmentbench.report.pictures import pictures_of  # Matplotlib and Warp: not for those who only write material
+
     folder = reports_root / preset
     results = read_results(folder / "results.csv")
     found = [line for experiment in dict.fromkeys(results.experiment) for line in lines(results, experiment)]

@@ -94,7 +94,8 @@ def error_against_time(lines: list[Line]) -> bytes:
             )
         _logarithmic(axes.xaxis)
         _logarithmic(axes.yaxis)
-        axes.margins(0.12)
+        axes.margins(0.1)
+        axes.autoscale_view()
         _floor(axes, lines)
         simulator = [v.reference for v in (line.value("ms_per_frame") for line in lines) if v and np.isfinite(v.reference)]
         if simulator:
@@ -115,14 +116,13 @@ def _logarithmic(axis) -> None:
 
 
 def _floor(axes: "Axes", lines: list[Line]) -> None:
-    """The reference's uncertainty: below it errors mean nothing."""
+    """The reference's uncertainty, shaded: below it errors mean nothing."""
     known = [v.uncertainty for v in (line.value("rollout_l2") for line in lines) if v and np.isfinite(v.uncertainty)]
-    if not known:
-        return
     low, high = axes.get_ylim()
-    low = min(low, 0.6 * known[0])
-    axes.axhspan(low, known[0], color=FLOOR, zorder=0, label=f"the reference's uncertainty, {known[0]:.2g} cm")
-    axes.set_ylim(low, high)
+    if known:
+        low = min(low, 0.6 * known[0])
+        axes.axhspan(low, known[0], color=FLOOR, zorder=0, label=f"the reference's uncertainty, {known[0]:.2g} cm")
+    axes.set_ylim(low, 1.15 * high)
 
 
 def _svg(figure: Figure) -> bytes:

@@ -16,6 +16,7 @@ COLUMNS = (
     "preset experiment scene split garment motion body method variant train_frames seed metric horizon value unit "
     "reference_value uncertainty status first_bad_frame run_id"
 ).split()
+TRAINING_LENGTH = "table4"  # the experiment that compares training lengths
 REFERENCE = "reference"  # the method name of the reference simulation's own lines
 METHOD_ORDER = ("reference", "skinning", "hold", "constant_velocity", "linear_subspace")
 
@@ -56,8 +57,9 @@ class Line:
 
     @property
     def label(self) -> str:
-        """Its name for people, e.g. "motion-guided, fixed weights"."""
-        return label(self.method, self.variant)
+        """Its name for people, e.g. "motion-guided, fixed weights"; where training lengths are compared, with its own."""
+        own = self.experiment == TRAINING_LENGTH and self.variant == "full" and self.train_frames is not None
+        return label(self.method, f"train_{self.train_frames}" if own else self.variant)
 
     def value(self, metric: str, horizon: int | None = None) -> Value | None:
         """A metric's value, at a horizon or at the longest; None where it was not measured at all."""
@@ -114,7 +116,10 @@ def lines(results: "pandas.DataFrame", experiment: str, scene: str | None = None
 
 def _order(line: Line) -> tuple:
     known = METHOD_ORDER.index(line.method) if line.method in METHOD_ORDER else len(METHOD_ORDER)
-    return known, line.method, line.variant != "full", line.train_frames or 0, line.variant, line.scene
+    length = line.train_frames or 0
+    if line.experiment == TRAINING_LENGTH:
+        return known, line.method, length, line.variant, line.scene
+    return known, line.method, line.variant != "full", length, line.variant, line.scene
 
 
 def _value(rows: "pandas.DataFrame") -> Value:

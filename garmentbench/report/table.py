@@ -87,9 +87,15 @@ def html_table(table: Table) -> str:
     lines += [f'<th{_class(i, table, Cell())}>{html.escape(h)}</th>' for i, h in enumerate(table.header)]
     lines.append("</tr></thead>\n<tbody>")
     for row in table.rows:
-        cells = [f"<td{_class(i, table, c)}>{html.escape(c.text)}</td>" for i, c in enumerate(row)]
+        cells = [f"<td{_class(i, table, c)}>{_html(c.text)}</td>" for i, c in enumerate(row)]
         lines.append("<tr>" + "".join(cells) + "</tr>")
     return "\n".join([*lines, "</tbody></table></div>"]) + "\n"
+
+
+def _html(text: str) -> str:
+    """Escaped; an interval in small print."""
+    value, sign, interval = html.escape(text).partition(" ± ")
+    return f"{value}<small> ± {interval}</small>" if sign else value
 
 
 def _class(column: int, table: Table, cell: Cell) -> str:

@@ -72,7 +72,7 @@ def accuracy_table(found: list[Line]) -> Table:
     columns = _columns(found, MAIN)
     papers = [c for c in columns if any(_paper(line, c).text for line in found)]
     header = ["method"]
-    rows = [[Cell("reference (simulator)", note=True)]] + [[Cell(line.label)] for line in found]
+    rows = [[Cell("reference", note=True)]] + [[Cell(line.label)] for line in found]
     for column in columns:
         header.append(column.title)
         values = [line.value(column.metric, column.horizon) for line in found]

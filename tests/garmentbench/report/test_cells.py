@@ -1,0 +1,72 @@
+import math
+
+import numpy as np
+import pytest
+
+from garmentbench.report.cells import best, number, value_cell
+from garmentbench.report.paper_numbers import paper_number
+from garmentbench.report.results import Value, confidence_95
+from garmentbench.report.table import Cell, Table, html_table, latex, markdown
+
+
+def value(mean, interval=None, endings=(), seeds=1, uncertainty=math.nan) -> Value:
+    return Value(mean, interval, tuple(endings), seeds, math.nan, uncertainty)
+
+
+@pytest.mark.parametrize(
+    "x, text",
+    [(0.0, "0.00"), (0.004, "< 0.01"), (1.234, "1.23"), (9.996, "10.0"), (45.67, "45.7"), (99.96, "100"), (1150, "1150"),
+     (-0.5, "−0.50"), (-0.001, "> −0.01")],
+)
+def test_numbers_have_about_three_digits(x, text):
+    assert number(x) == text
+
+
+def test_the_confidence_interval_by_hand():
+    """Mean of 1, 2, 3: s = 1, t(0.975, 2) = 4.30265, half-width 4.30265 / sqrt(3)."""
+    assert confidence_95(np.array([1.0, 2.0, 3.0])) == pytest.approx(2.48414, abs=1e-4)
+
+
+def test_cells_say_how_seeds_ended():
+    assert value_cell(None) == Cell("–")
+    assert value_cell(value(0.65, 0.12, seeds=3), bold=True) == Cell("0.65 ± 0.12", bold=True)
+    assert value_cell(value(math.nan, endings=["diverged at frame 7"])) == Cell("diverged", bad=True)
+    assert value_cell(value(math.nan, endings=["failed at frame 7", "diverged at frame 9"], seeds=2)) == Cell("failed; diverged", bad=True)
+    assert value_cell(value(0.65, endings=["diverged at frame 7"], seeds=3), bold=True) == Cell("0.65 (1 of 3 diverged)", bad=True)
+    assert value_cell(value(math.nan, endings=["ok"])) == Cell("–")
+
+
+def test_the_best_is_best_by_more_than_the_uncertainty():
+    near = [value(0.9, uncertainty=0.2), value(0.75, uncertainty=0.2)]
+    far = [value(0.9, uncertainty=0.2), value(0.65, uncertainty=0.2), None]
+    assert best(near, "rollout_l2") is None
+    assert best(far, "rollout_l2") is far[1]
+    unknown = [value(0.9), value(0.1)]
+    assert best(unknown, "rollout_l2") is None
+
+
+def test_what_failed_does_not_compete():
+    values = [value(0.1, endings=["diverged at frame 9"], seeds=2, uncertainty=0.2), value(0.9, uncertainty=0.2), value(3.0, uncertainty=0.2)]
+    assert best(values, "rollout_l2") is values[1]
+
+
+def test_some_metrics_are_better_high_or_near_one():
+    high = [value(0.2, uncertainty=0.1), value(0.8, uncertainty=0.1)]
+    one = [value(0.7, uncertainty=0.1), value(1.2, uncertainty=0.1), value(2.0, uncertainty=0.1)]
+    assert best(high, "skill") is high[1] and best(one, "liveliness") is one[1]
+
+
+def test_paper_numbers_of_the_main_experiment():
+    def of(train_frames, metric, horizon):
+        return paper_number("tshirt", "armspace-90", train_frames, metric, horizon).value
+
+    assert [of(300, *m) for m in (("one_step_l2", 1), ("rollout_l2", 50), ("rollout_l2", 1150))] == [0.59, 0.83, 0.82]
+    assert [of(n, "rollout_l2", 1150) for n in (50, 150, 900)] == [1.84, 0.84, 0.72]
+    assert paper_number("tshirt", "armspace-90", 300, "rollout_l2", 297) is None
+
+
+def test_awkward_text_is_escaped_in_each_form():
+    table = Table("t", "Title_1", "50 % & more", ["a|b", "c [m/s²]"], [[Cell("x_y|z"), Cell("< 0.01 & 5 %", bold=True)]])
+    assert "| x_y\\|z | **< 0.01 & 5 %** |" in markdown(table)
+    assert r"x\_y|z & \textbf{$<$ 0.01 \& 5 \%} \\" in latex(table) and r"50 \% \& more" in latex(table)
+    assert '<td class="best">&lt; 0.01 &amp; 5 %</td>' in html_table(table)
