@@ -1,6 +1,5 @@
 """From a scene to its reference sequence, with its own uncertainty."""
 
-from collections.abc import Callable
 from dataclasses import asdict, replace
 
 import numpy as np
@@ -10,6 +9,7 @@ from garmentbench.garments import load_garment
 from garmentbench.motion import Animation, animate
 from garmentbench.motion.placing import place
 from garmentbench.presets import Preset
+from garmentbench.progress import track
 from garmentbench.scene import Scene
 from garmentbench.sequence import Garment, Sequence, Template
 from garmentbench.simulation.drive import Drive, drive
@@ -17,16 +17,14 @@ from garmentbench.simulation.material import Material, Settings, override
 
 WINDOW = 150  # frames of the uncertainty's two further runs, warm-up not counted
 PERTURBATION = 1e-3  # [m]
-Step = Callable[[], None]
 
 
-def simulate(scene: Scene, preset: Preset, step: Step = lambda: None, device: str = "cpu") -> Sequence:
-    """The reference sequence of a scene, without its uncertainty.
+def simulate(scene: Scene, preset: Preset, device: str = "cpu") -> Sequence:
+    """The reference sequence of a scene, without its uncertainty. Shows its progress.
 
     Args:
         scene: What is simulated; its `material` and `simulation` override the defaults by name.
         preset: Sizes of garment and body.
-        step: Called after each of `frame_count` frames.
         device: Warp device, "cpu" or "cuda:0".
 
     Returns:
@@ -38,7 +36,8 @@ def simulate(scene: Scene, preset: Preset, step: Step = lambda: None, device: st
         UserError: Not one frame is finite.
     """
     animation, garment, start, material, settings = _prepare(scene, preset)
-    run = drive(garment, start, animation.body, animation.positions, scene.fps, material, settings, device, step=step)
+    with track(len(animation.positions) - 1, f"simulate {scene.name}") as step:
+        run = drive(garment, start, animation.body, animation.positions, scene.fps, material, settings, device, step=step)
     positions = run.positions[animation.warm_up :].astype(np.float32)
     body = animation.positions[animation.warm_up :].astype(np.float32)
     finite = np.isfinite(positions).all(axis=(1, 2))
@@ -56,7 +55,7 @@ def simulate(scene: Scene, preset: Preset, step: Step = lambda: None, device: st
 
 
 def measure_uncertainty(
-    scene: Scene, preset: Preset, sequence: Sequence, frames: int = WINDOW, step: Step = lambda: None, device: str = "cpu"
+    scene: Scene, preset: Preset, sequence: Sequence, frames: int = WINDOW, device: str = "cpu"
 ) -> dict[str, float]:
     """How far the reference moves [cm, mean over vertices and frames] when nothing that matters is changed.
 
@@ -64,7 +63,6 @@ def measure_uncertainty(
         scene, preset: As given to `simulate`.
         sequence: What it gave.
         frames: The first so many frames are compared, after the whole warm-up.
-        step: Called after each of 2 x (warm-up + frames) frames.
         device: As given to `simulate`.
 
     Returns:
@@ -79,14 +77,11 @@ def measure_uncertainty(
         run = drive(garment, start, animation.body, window, scene.fps, material, changed, device, step=step)
         return 100 * float(np.linalg.norm(run.positions[animation.warm_up :] - sequence.garment[:frames], axis=-1).mean())
 
-    doubling = distance(replace(settings, substep_factor=2 * settings.substep_factor))
-    perturbed = distance(replace(settings, start_noise=settings.start_noise + PERTURBATION, noise_seed=settings.noise_seed + 1))
+    with track(2 * (len(window) - 1), f"uncertainty of {scene.name}") as step:
+        doubling = distance(replace(settings, substep_factor=2 * settings.substep_factor))
+        pushed = replace(settings, start_noise=settings.start_noise + PERTURBATION, noise_seed=settings.noise_seed + 1)
+        perturbed = distance(pushed)
     return {"doubling_cm": doubling, "perturbed_cm": perturbed, "cm": max(doubling, perturbed), "frames": frames}
-
-
-def frame_count(scene: Scene, preset: Preset) -> int:
-    """Frames that `simulate` steps through, warm-up included."""
-    return len(animate(scene, preset).positions)
 
 
 def _prepare(scene: Scene, preset: Preset) -> tuple[Animation, Garment, np.ndarray, Material, Settings]:

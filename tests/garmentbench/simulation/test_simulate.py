@@ -1,0 +1,77 @@
+"""From a scene to its sequence."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from garmentbench.errors import UsageError
+from garmentbench.presets import preset
+from garmentbench.progress import listening
+from garmentbench.scene import Motion, Scene
+from garmentbench.simulation.material import Material, Settings, override
+from garmentbench.simulation.simulate import measure_uncertainty, simulate
+
+SMOKE = preset("smoke")
+SCENE = Scene("short", "tshirt", "base", Motion("armspace-90"), "test", frames=6)
+
+
+@pytest.fixture(scope="module")
+def sequence():
+    return simulate(SCENE, SMOKE)
+
+
+def test_sequence_holds_its_frames_and_how_it_was_made(sequence):
+    assert len(sequence) == 6 and sequence.garment.dtype == sequence.body.dtype == np.float32
+    made = sequence.info["simulation"]
+    assert made["status"] == "ok" and made["first_bad_frame"] is None
+    assert made["substeps"] % made["settings"]["queries"] == 0
+    assert 0 < made["mean_strain_percent"] < 2
+    assert made["material"]["density"] == 0.2
+
+
+def test_same_scene_gives_the_same_bytes(sequence):
+    assert simulate(SCENE, SMOKE).garment.tobytes() == sequence.garment.tobytes()
+
+
+def test_seam_copies_stay_together(sequence):
+    a, b = sequence.template.garment.seams.T
+    assert np.array_equal(sequence.garment[:, a], sequence.garment[:, b])
+
+
+def test_progress_is_told():
+    told = []
+    with listening(lambda label, done, total: told.append((label, done, total))):
+        simulate(SCENE, SMOKE)
+    label, done, total = told[-1]
+    assert label == "simulate short" and done == total >= SCENE.frames
+
+
+def test_uncertainty_is_the_larger_of_the_two(sequence):
+    found = measure_uncertainty(SCENE, SMOKE, sequence, frames=4)
+    assert found["cm"] == max(found["doubling_cm"], found["perturbed_cm"]) > 0
+    assert found["frames"] == 4
+
+
+def test_moved_and_turned_scene_moves_alike(sequence):
+    far = replace(SCENE, motion=replace(SCENE.motion, translate=(1000.0, 0.0, 0.0), turn=90.0))
+    back = simulate(far, SMOKE).garment.astype(np.float64) - [1000, 0, 0]
+    back = np.stack([back[..., 1], -back[..., 0], back[..., 2]], axis=-1)
+    assert np.linalg.norm(back - sequence.garment, axis=-1).mean() < 5e-4
+
+
+def test_pushed_start_ends_elsewhere(sequence):
+    pushed = simulate(replace(SCENE, simulation={"start_noise": 0.01}), SMOKE)
+    assert 1e-6 < np.linalg.norm(pushed.garment - sequence.garment, axis=-1).mean() < 0.05
+
+
+def test_material_is_overridden_by_name():
+    assert override(Material(), {"stretch": 3000}, "material").stretch == 3000.0
+    with pytest.raises(UsageError, match="did you mean 'stretch'"):
+        override(Material(), {"strech": 3000.0}, "material")
+
+
+@pytest.mark.parametrize("name, value", [("queries", 2.5), ("gravity", "much"), ("gravity", True), ("start_noise", -1.0)])
+def test_bad_values_are_refused(name, value):
+    with pytest.raises(UsageError, match=f"'{name}' is {value!r}"):
+        override(Settings(), {name: value}, "simulation setting")
