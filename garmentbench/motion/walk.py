@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from garmentbench.bodies import BakedBody
-from garmentbench.motion.easing import rolling_start
+from garmentbench.motion.easing import bump, rolling_start
 from garmentbench.motion.foot import FLAT, STANCE, FootRoll, pitch_up, roll_foot
 from garmentbench.motion.gait import Gait
 from garmentbench.motion.legs import Leg, rest_leg, solve_leg, unit
@@ -15,6 +15,7 @@ MID_STANCE = 0.225  # phase at which the pelvis passes over the flat foot
 _STARTING = 0.36  # the pelvis comes up to speed within this many cycles before and after it
 _STRETCH = 0.994  # of a leg's full reach, at most, in walking: the knee keeps a bend of 12 degrees
 _LIMIT = 0.9985  # ... ever, which only a start at great speed comes to; the rest pose has 0.9973
+_PASSING = 0.12  # distance of the ankles' lines [m] when one foot passes the other, at least: feet are 10 cm wide
 # How far each bone of the trunk has turned from the pelvis' attitude (0) to the chest's (1).
 _TRUNK = {"pelvis": 0.0, "spine": 0.2, "waist": 0.6, "chest": 1.0, "neck": 1.0, "clavicle.L": 1.0, "clavicle.R": 1.0}
 
@@ -114,7 +115,8 @@ def _ankle(baked: BakedBody, gait: Gait, roll: FootRoll, side: str, phase: np.nd
     gone = steps + swing_path(swing)
     first = np.minimum(gone, 1.0)  # from the rest stance into the line of walking
     path = np.empty((len(phase), 3))
-    path[:, 0] = rest[0] + first * (np.sign(rest[0]) * gait.step_width / 2 - rest[0])
+    outward = gait.step_width / 2 + max(0.0, _PASSING - gait.step_width) * bump(swing)
+    path[:, 0] = rest[0] + first * (np.sign(rest[0]) * outward - rest[0])
     path[:, 1] = rest[1] - gait.stride * (gone - lead * first) - roll.forward(phase)
     path[:, 2] = roll.height(phase) + (rest[2] - roll.height(FLAT))
     return path

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from garmentbench.bodies import joint_positions, load_body, pose_exact
 from garmentbench.motion.easing import cyclic_steps, rolling_start, smoothstep
@@ -80,6 +81,18 @@ def test_elbows_bend_forward(name):
     baked, _, _, _, joints, _ = one_cycle(name)
     shoulder, elbow, wrist = (joints[:, baked.joint_names.index(f"{n}.R")] for n in ("upper_arm", "fore_arm", "hand"))
     assert (np.cross(elbow - shoulder, wrist - elbow)[:, 0] < 0).all()
+
+
+@pytest.mark.parametrize("name", GAITS)
+def test_feet_pass_each_other(name):
+    """A swinging foot goes round the standing one, in the catwalk's narrow track, too."""
+    baked, _, _, _, _, vertices = one_cycle(name)
+    left, right = (
+        vertices[:, baked.weights[:, [baked.joint_names.index(f"{n}.{s}") for n in ("foot", "toes")]].sum(axis=1) > 0.9]
+        for s in "LR"
+    )
+    apart = [cKDTree(a).query(b)[0].min() for a, b in zip(left, right, strict=True)]
+    assert min(apart) > 0.01
 
 
 def test_arms_swing_against_the_legs_of_their_side():
