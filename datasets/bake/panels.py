@@ -4,7 +4,7 @@ import gpytoolbox
 import numpy as np
 from charts import border_loop, disk_map
 from scipy.spatial import Delaunay, cKDTree
-from surface import averaging, clip, edges, normals
+from surface import averaging, clip, normals
 
 
 def sew(points: np.ndarray, faces: np.ndarray, level: np.ndarray, edge: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -20,11 +20,10 @@ def sew(points: np.ndarray, faces: np.ndarray, level: np.ndarray, edge: float) -
     """
     front, front_faces = panel(points, faces, level, edge)
     back, back_faces = panel(points, faces, -level, edge)
-    rim = np.unique(border_loop(back_faces))
-    apart, twin = cKDTree(front[np.unique(border_loop(front_faces))]).query(back[rim])
+    front_rim, back_rim = border_loop(front_faces), border_loop(back_faces)
+    apart, twin = cKDTree(front[front_rim]).query(back[back_rim])
     number = len(front) + np.arange(len(back))
-    same = apart < 1e-6
-    number[rim[same]] = np.unique(border_loop(front_faces))[twin[same]]
+    number[back_rim[apart < 1e-6]] = front_rim[twin[apart < 1e-6]]
     merged = np.concatenate([front_faces, number[back_faces]])
     used, merged = np.unique(merged, return_inverse=True)
     panels = np.repeat([0, 1], [len(front_faces), len(back_faces)])
@@ -42,7 +41,7 @@ def panel(points: np.ndarray, faces: np.ndarray, level: np.ndarray, edge: float)
     rim, angle = even_rim(points[border], corners, edge)
     flat = disk_map(points, faces, border)
     inner = np.setdiff1d(np.arange(len(points)), border)
-    inner = inner[cKDTree(rim).query(points[inner])[0] > 0.5 * edge]
+    inner = inner[cKDTree(rim).query(points[inner])[0] > 0.7 * edge]
     plane = np.concatenate([np.column_stack([np.cos(angle), np.sin(angle)]), flat[inner]])
     start = Delaunay(plane).simplices
     a, b, c = plane[start].transpose(1, 0, 2)
@@ -63,18 +62,17 @@ def even_rim(border: np.ndarray, corners: np.ndarray, edge: float) -> tuple[np.n
     return rim, 2 * np.pi * at / length[-1]
 
 
-def relax(points: np.ndarray, faces: np.ndarray, rounds: int = 10) -> np.ndarray:
-    """Even out the triangles by moving vertices within the surface (on a border: along it)."""
+def relax(points: np.ndarray, faces: np.ndarray, panels: np.ndarray, rounds: int = 10) -> np.ndarray:
+    """Even out the triangles by moving vertices within the surface; borders and seams stay where they are."""
     mean = averaging(faces, len(points))
-    pairs, each = edges(faces)
-    border = np.zeros(len(points), bool)
-    border[pairs[each == 1]] = True
+    rims = [border_loop(faces[panels == side]) for side in (0, 1)]
+    free = np.ones((len(points), 1))
+    free[np.concatenate(rims)] = 0
     for _ in range(rounds):
         move = mean @ points - points
         facing = normals(points, faces)
         move -= np.einsum("vc,vc->v", move, facing)[:, None] * facing
-        move[border] = 0
-        points = points + 0.5 * move
+        points = points + 0.5 * free * move
     return points
 
 

@@ -57,30 +57,26 @@ def edges(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.unique(every, axis=0, return_counts=True)
 
 
-def averaging(faces: np.ndarray, count: int) -> sp.csr_matrix:
+def averaging(faces: np.ndarray, count: int) -> sp.csr_array:
     """The mean over a vertex's neighbours; at a border, over its neighbours on the border. Shape (V, V)."""
     pairs, faces_each = edges(faces)
     border = np.zeros(count, bool)
     border[pairs[faces_each == 1]] = True
     i, j = np.concatenate([pairs, pairs[:, ::-1]]).T
-    along = np.tile(faces_each == 1, 2)
-    keep = ~border[i] | along
-    weights = sp.csr_matrix((np.ones(keep.sum()), (i[keep], j[keep])), (count, count))
-    return sp.diags(1 / np.maximum(weights.sum(1).A1 if hasattr(weights.sum(1), "A1") else np.asarray(weights.sum(1)).ravel(), 1)) @ weights
+    keep = ~border[i] | np.tile(faces_each == 1, 2)
+    weights = sp.csr_array((np.ones(keep.sum()), (i[keep], j[keep])), (count, count))
+    return sp.diags_array(1 / weights.sum(axis=1)) @ weights
 
 
 class Skin:
     """A closed surface, for signed distances near it, from dense samples with normals."""
 
     def __init__(self, points: np.ndarray, faces: np.ndarray):
-        shading = normals(points, faces)
-        weights = [(i, j, 4 - i - j) for i in range(5) for j in range(5 - i)]
-        corners, directions = points[faces], shading[faces]
-        samples = [np.tensordot(w, c, (0, 1)) / 4 for w in map(np.array, weights) for c in (corners,)]
-        facing = [np.tensordot(w, d, (0, 1)) / 4 for w in map(np.array, weights) for d in (directions,)]
-        self.samples = np.concatenate(samples)
-        self.facing = np.concatenate(facing)
-        self.facing /= np.linalg.norm(self.facing, axis=1, keepdims=True)
+        # 15 points on every triangle: barycentric coordinates in steps of a quarter.
+        steps = np.array([(i, j, 4 - i - j) for i in range(5) for j in range(5 - i)]) / 4
+        self.samples = np.einsum("sc,fcx->sfx", steps, points[faces]).reshape(-1, 3)
+        facing = np.einsum("sc,fcx->sfx", steps, normals(points, faces)[faces]).reshape(-1, 3)
+        self.facing = facing / np.linalg.norm(facing, axis=1, keepdims=True)
         self.tree = cKDTree(self.samples)
 
     def distance(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -114,7 +110,7 @@ def push_out(points: np.ndarray, faces: np.ndarray, skin: Skin, clearance: np.nd
 def largest_part(points: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The connected part with the most points."""
     pairs, _ = edges(faces)
-    graph = sp.coo_matrix((np.ones(len(pairs)), pairs.T), (len(points),) * 2)
+    graph = sp.coo_array((np.ones(len(pairs)), tuple(pairs.T)), (len(points),) * 2)
     part = connected_components(graph, directed=False)[1]
     kept = part[faces[:, 0]] == np.bincount(part).argmax()
     used, faces = np.unique(faces[kept], return_inverse=True)

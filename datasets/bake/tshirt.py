@@ -1,6 +1,5 @@
 """The shape of the T-shirt: MakeHuman's body-hugging surface, cut with planes and made loose."""
 
-import gpytoolbox
 import numpy as np
 from surface import Skin, averaging, clip, largest_part, normals, push_out
 
@@ -9,6 +8,8 @@ HEM_BELOW_HIPS = 0.03  # [m], against the hip joints
 COLLAR_BELOW_NECK = 0.02  # [m] behind, against the neck's first joint; higher, the collar would hit the chin
 COLLAR_RADIUS = 0.105  # [m] of the ball that the collar is cut with
 EASE_TOP, EASE_HEM, EASE_SLEEVE = 0.007, 0.035, 0.020  # [m] off the skin at the shoulders, the hem, in the sleeves
+EASE_ARMPIT = 0.10  # [m] more, before smoothing, where sleeve and side meet
+SMOOTHING = 10  # rounds between two times of keeping off the skin
 TIGHTS_EASE = 0.006  # [m], by which the tights are off the skin already
 
 
@@ -61,13 +62,14 @@ def loosen(points: np.ndarray, faces: np.ndarray, arm: np.ndarray, joints: dict[
     mean = averaging(faces, len(points))
     ease = (1 - arm) * torso + arm * sleeve
     facing = normals(points, faces)
+    ease += EASE_ARMPIT * np.maximum(-facing[:, 2], 0) * 4 * arm * (1 - arm)  # armholes reach below the armpits
     for _ in range(20):
         ease, facing = mean @ ease, mean @ facing
     facing /= np.linalg.norm(facing, axis=1, keepdims=True)
     points = points + np.maximum(ease - TIGHTS_EASE, 0)[:, None] * facing
     # Cloth spans hollows: smooth, and keep off the skin.
     for _ in range(8):
-        for _ in range(10):
+        for _ in range(SMOOTHING):
             points = mean @ points
         points = push_out(points, faces, skin, 0.7 * ease, rounds=5)
     return points
