@@ -28,7 +28,8 @@ def blueprint(sequence: Sequence) -> rrb.Blueprint:
     width, bottom, top = _size(sequence).tolist()
     middle = 0.5 * (bottom + top)
     away = 1.5 * max(2.3 * width, top - bottom)
-    eye = rrb.EyeControls3D(position=(0.35 * away, -away, middle + 0.2 * away), look_target=(0.0, 0.0, middle), eye_up=(0, 0, 1))
+    position = (0.35 * away, -away, middle + 0.2 * away)
+    eye = rrb.EyeControls3D(position=position, look_target=(0.0, 0.0, middle), eye_up=(0, 0, 1))
     scene = rrb.Spatial3DView(
         origin="/",  # not "scene": a view does not see its own origin move
         contents="scene/**",

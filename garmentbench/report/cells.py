@@ -10,12 +10,14 @@ from garmentbench.report.table import Cell
 ABSENT = "–"
 
 
-def number(value: float) -> str:
-    """Three significant digits or so: two decimals below 10, one below 100, none above.
+def number(value: float, whole: bool = False) -> str:
+    """Three significant digits or so: two decimals below 10, one below 100, none above or for `whole` numbers.
 
     >>> [number(x) for x in (0.004, 0.0, 1.234, 45.67, 1150.0)]
     ['< 0.01', '0.00', '1.23', '45.7', '1150']
     """
+    if whole:
+        return f"{value:.0f}"
     size = abs(value)
     if 0 < size < 0.005:
         return "< 0.01" if value > 0 else "> −0.01"
@@ -23,14 +25,14 @@ def number(value: float) -> str:
     return text.replace("-", "−")
 
 
-def value_cell(value: Value | None, bold: bool = False) -> Cell:
+def value_cell(value: Value | None, bold: bool = False, whole: bool = False) -> Cell:
     """Mean ± interval; "diverged" or "failed" where there is no value; both where only some seeds have one."""
     if value is None:
         return Cell(ABSENT)
     ended = "; ".join(dict.fromkeys(ending.split(" at ")[0] for ending in value.endings if ending != "ok"))
     if math.isnan(value.mean):
         return Cell(ended or ABSENT, bad=bool(ended))
-    text = number(value.mean) + (f" ± {number(value.interval)}" if value.interval is not None else "")
+    text = number(value.mean, whole) + (f" ± {number(value.interval, whole)}" if value.interval is not None else "")
     if ended:
         return Cell(f"{text} ({len(value.endings)} of {value.seeds} {ended})", bad=True)
     return Cell(text, bold=bold)

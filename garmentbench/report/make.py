@@ -7,7 +7,7 @@ from garmentbench.atomic import written_whole
 from garmentbench.errors import UserError
 from garmentbench.report.material import FILE, read_material
 from garmentbench.report.page import Ended, Section, page
-from garmentbench.report.results import REFERENCE, Line, lines, read_results
+from garmentbench.report.results import REFERENCE, Line, ending, lines, read_results
 from garmentbench.report.table import html_table, latex, markdown
 from garmentbench.report.tables import NEEDS, all_tables
 
@@ -53,8 +53,8 @@ def _require_runs(found: list[Line], runs_root: Path, preset: str) -> None:
     missing = [run for run in named if not all((runs_root / run / file).is_file() for file in ("run.json", FILE))]
     if missing:
         raise UserError(
-            f"{runs_root}: {len(missing)} of the {len(named)} runs named in results.csv are missing, the first: {missing[0]}; "
-            f"the report stays as it is; `make evals PRESET={preset}` makes the runs and then the report"
+            f"{runs_root}: {len(missing)} of the {len(named)} runs named in results.csv are missing, the first: "
+            f"{missing[0]}; the report stays as it is; `make evals PRESET={preset}` makes the runs and then the report"
         )
 
 
@@ -63,18 +63,17 @@ def _ended(found: list[Line], records: dict[str, dict]) -> list[Ended]:
     ended = []
     for line in found:
         for row in line.rows[line.rows.status != "ok"].drop_duplicates("run_id").itertuples():
-            message = records[row.run_id]["results"].get("message", "") if row.run_id in records else str(row.run_id).strip("()")
+            ran = row.run_id in records
+            message = records[row.run_id]["results"].get("message", "") if ran else str(row.run_id).strip("()")
             name = line.label + (f", seed {row.seed}" if line.rows.seed.nunique() > 1 else "")
-            at = f" at frame {row.first_bad_frame:.0f}" if row.first_bad_frame == row.first_bad_frame else ""
-            ended.append(Ended(line.scene, name, row.status + at, message))
+            ended.append(Ended(line.scene, name, ending(row), message))
     return list(dict.fromkeys(ended))
 
 
 def _machines(records: dict[str, dict]) -> list[str]:
     """What the runs were made on."""
     machines = [record["machine"] for record in records.values()]
-    named = [f"{m['cuda'] or m['cpu']}, {m['threads'] or 1} thread{'s' if (m['threads'] or 1) > 1 else ''}" for m in machines]
-    return sorted(set(named))
+    return sorted({m["cuda"] or f"{m['cpu']}, threads: {m['threads'] or 1}" for m in machines})
 
 
 def _replace(folder: Path, made: dict[str, bytes]) -> None:

@@ -12,9 +12,16 @@ if TYPE_CHECKING:
     from garmentbench.report.material import Material
 
 FRAMES = "Error of the free roll-out in each frame (thin) and over 30 frames (thick). A cross: it diverged or failed there."
-TIME = "Error of the whole roll-out against time a frame. Lower left is better; inside the shaded band, differences mean nothing."
-STRIP = "Frames of the roll-outs: the reference above, below it what each method (first seed) made of it, coloured by its error."
-LADDER = "The stress cases, each two thirds into the roll-out: the reference above, below it the methods, coloured by their error."
+TIME = (
+    "Error of the whole roll-out against time a frame. Lower left is better; inside the shaded band, differences mean "
+    "nothing."
+)
+STRIP = (
+    "Frames of the roll-outs: the reference above, below it what each method (first seed) made of it, coloured by its error."
+)
+LADDER = (
+    "The stress cases, each two thirds into the roll-out: the reference above, below it the methods, coloured by their error."
+)
 
 
 def pictures_of(name: str, lines: list[Line], materials: dict[str, "Material"]) -> list[tuple[Picture, bytes]]:

@@ -74,7 +74,8 @@ def _draw_error(axes: "Axes", material: "Material", name: str | None, colour: st
         axes.plot(frames, error, color=colour, linewidth=1.6, label=name)
     if len(error) < len(material.error_cm):
         at = (frames[-1], error[-1]) if len(error) else (int(material.start), 1.0)
-        axes.plot(*at, color=colour, marker="x", markersize=9, markeredgewidth=2.5, linestyle="none", label=None if len(error) else name)
+        cross = {"marker": "x", "markersize": 9, "markeredgewidth": 2.5, "linestyle": "none"}
+        axes.plot(*at, color=colour, label=None if len(error) else name, **cross)
 
 
 def error_against_time(lines: list[Line]) -> bytes:

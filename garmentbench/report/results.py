@@ -74,7 +74,7 @@ class Line:
     def endings(self) -> list[str]:
         """How each seed's roll-out ended, in the order of the seeds."""
         rows = self.rows[self.rows.metric != "one_step_l2"].drop_duplicates("seed").sort_values("seed")
-        return [_ending(row) for row in rows.itertuples()]
+        return [ending(row) for row in rows.itertuples()]
 
     @property
     def run_ids(self) -> list[str]:
@@ -94,8 +94,8 @@ def read_results(path: Path) -> "pandas.DataFrame":
 
     if not path.is_file():
         raise UserError(f"{path}: no results yet; `make evals PRESET={path.parent.name}` makes them")
-    text = dict.fromkeys("preset experiment scene split garment motion body method variant metric unit status run_id".split(), str)
-    table = pandas.read_csv(path, dtype=text)
+    numbers = {"train_frames", "seed", "horizon", "value", "reference_value", "uncertainty", "first_bad_frame"}
+    table = pandas.read_csv(path, dtype={column: str for column in COLUMNS if column not in numbers})
     missing = [c for c in COLUMNS if c not in table.columns]
     if missing:
         raise UserError(f"{path}: lacks the column '{missing[0]}'; run `make evals PRESET={path.parent.name}` again")
@@ -128,7 +128,7 @@ def _value(rows: "pandas.DataFrame") -> Value:
     return Value(
         mean=float(finite.mean()) if len(finite) else math.nan,
         interval=confidence_95(finite) if len(finite) > 1 else None,
-        endings=tuple(_ending(row) for row in ended.itertuples()),
+        endings=tuple(ending(row) for row in ended.itertuples()),
         seeds=len(rows),
         reference=float(rows.reference_value.iloc[0]),
         uncertainty=float(rows.uncertainty.iloc[0]),
@@ -143,5 +143,6 @@ def confidence_95(values: np.ndarray) -> float:
     return float(t.ppf(0.975, n - 1) * values.std(ddof=1) / math.sqrt(n))
 
 
-def _ending(row: tuple) -> str:
+def ending(row: tuple) -> str:
+    """How a row's roll-out ended, e.g. "diverged at frame 37"."""
     return row.status if math.isnan(row.first_bad_frame) else f"{row.status} at frame {row.first_bad_frame:.0f}"

@@ -25,38 +25,43 @@ STRESS_COLUMN = 3  # which of the frames drawn is shown of each stress case
 
 @dataclass(frozen=True)
 class Shot:
-    """One picture: frame number `column` of a roll-out's material; `predicted`: the method's, else the reference."""
+    """One picture: frame number `column` of a roll-out's material.
+
+    predicted: The method's garment, else the reference's. ending: What stands there if it had ended by then.
+    """
 
     material: "Material"
     column: int
-    predicted: bool
+    predicted: bool = True
+    ending: str = ""
 
 
 def frame_strip(lines: list[Line], materials: dict[str, "Material"]) -> bytes:
-    """Reference and methods over time, on one scene; each method's first seed. A JPEG."""
-    shown = [line for line in lines if line.run_ids]
-    of = [materials[line.run_ids[0]] for line in shown]
-    columns = range(len(of[0].frames))
-    rows = [[Shot(of[0], k, False) for k in columns]] + [[Shot(m, k, True) for k in columns] for m in of]
-    titles = ["reference", *(line.label for line in shown)]
-    endings = [""] + [line.endings[0] for line in shown]
-    return _sheet(rows, titles, [f"frame {f}" for f in of[0].frames], endings)
+    """Reference and methods over time, on one scene; of each method its first seed. A JPEG. lines: with a run each."""
+    first = materials[lines[0].run_ids[0]]
+    columns = range(len(first.frames))
+    rows: list[list[Shot | None]] = [[Shot(first, k, predicted=False) for k in columns]]
+    for line in lines:
+        rows.append([Shot(materials[line.run_ids[0]], k, ending=line.endings[0]) for k in columns])
+    return _sheet(rows, ["reference", *(line.label for line in lines)], [f"frame {f}" for f in first.frames])
 
 
 def stress_strip(cases: dict[str, list[Line]], materials: dict[str, "Material"]) -> bytes:
     """Reference and methods in every stress case, at the same point of the roll-out. A JPEG. cases: name -> lines."""
-    labels = list(dict.fromkeys(line.label for lines in cases.values() for line in lines if line.run_ids))
-    grid: list[list[Shot | None]] = [[] for _ in range(1 + len(labels))]
+    labels = list(dict.fromkeys(line.label for lines in cases.values() for line in lines))
+    rows: list[list[Shot | None]] = [[] for _ in range(1 + len(labels))]
     for lines in cases.values():
-        by_label = {line.label: materials[line.run_ids[0]] for line in lines if line.run_ids}
-        at = min(STRESS_COLUMN, *(len(m.frames) - 1 for m in by_label.values()))
-        grid[0].append(Shot(next(iter(by_label.values())), at, False))
-        for row, label in zip(grid[1:], labels, strict=True):
-            row.append(Shot(by_label[label], at, True) if label in by_label else None)
-    return _sheet(grid, ["reference", *labels], list(cases), [""] * len(grid))
+        first = materials[lines[0].run_ids[0]]
+        at = min(STRESS_COLUMN, len(first.frames) - 1)
+        rows[0].append(Shot(first, at, predicted=False, ending="not finite"))
+        by_label = {line.label: Shot(materials[line.run_ids[0]], at, ending=line.endings[0]) for line in lines}
+        for row, label in zip(rows[1:], labels, strict=True):
+            row.append(by_label.get(label))
+    return _sheet(rows, ["reference", *labels], list(cases))
 
 
-def _sheet(rows: list[list[Shot | None]], row_titles: list[str], column_titles: list[str], endings: list[str]) -> bytes:
+def _sheet(rows: list[list[Shot | None]], row_titles: list[str], column_titles: list[str]) -> bytes:
+    """Pictures in rows and columns, with titles and the scale of the colours; where there is no shot, nothing."""
     width, height = LEFT + WIDTH * len(rows[0]), TOP + HEIGHT * len(rows) + BOTTOM
     figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI)
     canvas = FigureCanvasAgg(figure)
@@ -66,14 +71,15 @@ def _sheet(rows: list[list[Shot | None]], row_titles: list[str], column_titles: 
 
     for j, title in enumerate(column_titles):
         write(LEFT + (j + 0.5) * WIDTH, TOP / 2, title, ha="center", color="#555555")
-    for i, (row, title, ending) in enumerate(zip(rows, row_titles, endings, strict=True)):
+    for i, (row, title) in enumerate(zip(rows, row_titles, strict=True)):
         write(8, TOP + (i + 0.5) * HEIGHT, title.replace(", ", ",\n"), ha="left", fontweight="bold")
         for j, shot in enumerate(row):
             picture = _picture(shot) if shot is not None else None
-            if picture is None:
-                write(LEFT + (j + 0.5) * WIDTH, TOP + (i + 0.5) * HEIGHT, ending.replace(" at ", "\nat ") or "ended", ha="center", color="#b3261e")
-            else:
+            if picture is not None:
                 figure.figimage(picture, LEFT + j * WIDTH, height - TOP - (i + 1) * HEIGHT)
+            elif shot is not None:
+                ending = shot.ending.replace(" at ", "\nat ")
+                write(LEFT + (j + 0.5) * WIDTH, TOP + (i + 0.5) * HEIGHT, ending, ha="center", color="#b3261e")
     _scale(figure, width, height)
     canvas.draw()
     buffer = io.BytesIO()

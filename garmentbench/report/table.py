@@ -72,8 +72,8 @@ def latex(table: Table) -> str:
 
 _TEX = {
     "\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "%": r"\%", "&": r"\&", "#": r"\#", "_": r"\_", "$": r"\$",
-    "^": r"\textasciicircum{}", "~": r"\textasciitilde{}", "<": r"$<$", ">": r"$>$", "±": r"$\pm$", "–": "--", "×": r"$\times$",
-    "²": r"$^2$", "−": r"$-$",
+    "^": r"\textasciicircum{}", "~": r"\textasciitilde{}", "<": r"$<$", ">": r"$>$", "±": r"$\pm$", "–": "--", "²": r"$^2$",
+    "−": r"$-$",
 }
 
 

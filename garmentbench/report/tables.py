@@ -46,7 +46,8 @@ class Column:
 
     @property
     def title(self) -> str:
-        name = f"rollout-{self.horizon}" if self.metric == "rollout_l2" else TITLES.get(self.metric, self.metric.replace("_", " "))
+        name = TITLES.get(self.metric, self.metric.replace("_", " "))
+        name = f"rollout-{self.horizon}" if self.metric == "rollout_l2" else name
         unit = METRICS[self.metric].unit.replace("^2", "²")
         return name if unit == "1" else f"{name} [{unit}]"
 
@@ -116,7 +117,7 @@ def _reference_cell(values: list[Value | None]) -> Cell:
     """The reference's uncertainty where errors are measured against it, or its own value of a metric."""
     for value in values:
         if value is not None and not math.isnan(value.uncertainty):
-            return Cell(f"± {number(value.uncertainty)}", note=True)
+            return Cell(f"± {value.uncertainty:.2g}", note=True)
         if value is not None and not math.isnan(value.reference):
             return Cell(number(value.reference), note=True)
     return Cell(ABSENT, note=True)
@@ -126,8 +127,8 @@ def _caption(found: list[Line]) -> str:
     seeds = max(line.rows.seed.nunique() for line in found)
     interval = f"mean over {seeds} seeds ± half the 95 % confidence interval" if seeds > 1 else "one seed, hence no interval"
     return (
-        f"Scene {found[0].scene}; {interval}. Errors are mean distances to the reference, whose own uncertainty and values stand "
-        "in the first line; bold: best by more than that uncertainty."
+        f"Scene {found[0].scene}; {interval}. Errors are mean distances to the reference, whose own uncertainty and values "
+        "stand in the first line; bold: best by more than that uncertainty."
     )
 
 
@@ -138,7 +139,8 @@ def stability_table(found: list[Line]) -> Table:
     rows = []
     for line in found:
         name = "reference (simulator)" if line.method == REFERENCE else line.label
-        cells = [value_cell(line.value("rollout_l2")), *(value_cell(line.value(c.metric)) for c in columns)]
+        cells = [value_cell(line.value("rollout_l2"))]
+        cells += [value_cell(line.value(c.metric), whole=METRICS[c.metric].unit == "frames") for c in columns]
         rows.append([Cell(case(line)), Cell(name), status_cell(line), *cells])
     return Table(
         STABILITY,

@@ -82,7 +82,7 @@ def test_the_main_table_by_hand(folder):
     header, reference, ours = lines[0], lines[2], lines[-1]
     at = header.index("rollout-1150 [cm]")
     assert ours[at] == "**0.65 ± 0.12**" and ours[at + 1] == "0.82" and header[at + 1] == "paper"
-    assert reference[at] == "± 0.20"
+    assert reference[at] == "± 0.2"
     assert ours[header.index("inside [%]") + 1] == "0.01" and reference[header.index("inside [%]")] == "< 0.01"
     assert reference[header.index("time a frame [ms]")] == "60.0"
 
@@ -103,7 +103,8 @@ def test_the_stress_ladder_has_the_simulator_and_says_how_each_case_ended(folder
     text = (folder / "tables" / "stability.md").read_text()
     assert "| no stress | reference (simulator) | ok |" in text
     assert "| stiff-100 | reference (simulator) | diverged at frame 11 |" in text
-    assert "| stiff-100 | skinning | diverged at frame 60 | diverged |" in text
+    skinning = next(line for line in text.splitlines() if "| stiff-100 | skinning | diverged at frame 60 | diverged |" in line)
+    assert skinning.endswith("| 57 |")  # frames that were stable
 
 
 def test_needs_in_one_line_a_part(folder):
