@@ -88,6 +88,8 @@ class Stage1:
     """Its eps [m]; the paper does not give it, this is the code's."""
     latent_weight: float = 1e-3
     """lambda_2."""
+    pose_noise: float = 0.0
+    """Ours: standard deviation [m] of the seeds' random displacement in what E^Sta is given (see `pose_noise`)."""
     random_every: int = 1
     """Ours: decode the random sample, and ask SDF_0, only every so many steps, at so many times the weight."""
 
@@ -105,6 +107,8 @@ class Stage2:
     """lambda_2."""
     force_distance: str = "present"
     """The interaction force fades with the distance to the seed's "present" (paper) or "previous" (code) place."""
+    pose_noise: float = 0.0
+    """Ours: as in stage 1, in S(M_{t-1})."""
     cache_inputs: bool = False
     """Ours: make S(M_{t-1}) and the force maps of all frames once, which needs memory."""
 

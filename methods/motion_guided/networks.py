@@ -122,9 +122,14 @@ class DisplacementMLP(nn.Module):
         """Displacements, shape (batch, V, 3), of features, shape (batch, V, F), and UV encoding, shape (V, U)."""
         for layer in self.uv:
             uv = F.leaky_relu(layer(uv), MLP_SLOPE)
-        inputs = torch.cat([features, uv.expand(len(features), -1, -1)], dim=-1)
-        x = self.first(inputs)
+        x = _of_parts(self.first, features, uv)
         for layer in self.residual:
             x = x + F.leaky_relu(layer(x), MLP_SLOPE)
         hidden, last = self.last
-        return last(F.leaky_relu(hidden(torch.cat([x, inputs], dim=-1)), MLP_SLOPE))
+        return last(F.leaky_relu(_of_parts(hidden, x, features, uv), MLP_SLOPE))
+
+
+def _of_parts(layer: nn.Linear, *parts: Tensor) -> Tensor:
+    """layer(cat(parts)), without the copy; a part that has no batch dimension is done once for the whole batch."""
+    weights = layer.weight.split([part.shape[-1] for part in parts], dim=1)
+    return sum(F.linear(part, weight) for part, weight in zip(parts, weights, strict=True)) + layer.bias

@@ -12,6 +12,7 @@ from methods.motion_guided.config import Model, Stage1
 from methods.motion_guided.frames import BodyFrames, body_frames, to_tensor
 from methods.motion_guided.generative import GenerativeModel
 from methods.motion_guided.losses import edge_deviation, latent_regulariser, reconstruction, sdf_violation
+from methods.motion_guided.pose_noise import PoseNoise
 from methods.motion_guided.sdf import SignedDistance
 from methods.motion_guided.training import batch_at, generator, train
 
@@ -58,9 +59,11 @@ def fit_stage1(
     if sizes.centred_descriptor:
         model.centre_descriptor(frames.garments, frames.body.seeds)
 
+    noise = PoseNoise(model, options.pose_noise) if options.pose_noise else None
+
     def loss(step: int) -> dict[str, Tensor]:
         chosen = batch_at(step, options.training.batch, len(frames), run.seed)
-        return stage1_loss(model, sdf, frames, chosen, step, options, generator(run.seed, step))
+        return stage1_loss(model, sdf, noise, frames, chosen, step, options, generator(run.seed, step))
 
     train(model, loss, options.training, run, "stage 1: generative space")
 
@@ -68,6 +71,7 @@ def fit_stage1(
 def stage1_loss(
     model: GenerativeModel,
     sdf: SignedDistance | None,
+    noise: PoseNoise | None,
     frames: TrainingFrames,
     chosen: Tensor,
     step: int,
@@ -77,7 +81,7 @@ def stage1_loss(
     """Terms of L = L_rec + L_rand + lambda_1 L_SDF0 + lambda_2 L_reg at the frames `chosen`, shape (batch,)."""
     body = frames.body.at(chosen)
     garments = frames.garments[chosen]
-    code = model.encode(garments, body.seeds)
+    code = model.encode(*(noise(garments, body.seeds, random) if noise else (garments, body.seeds)))
     displaced = model.displaced(code)
     posed = model.pose(displaced, body.seeds, body.rotations)
     position, laplacian = reconstruction(posed, garments, model.laplacian)

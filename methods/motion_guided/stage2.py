@@ -1,6 +1,6 @@
 """Stage 2: training of the dynamic-aware encoder (section 5), teacher-forced, one step ahead."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
@@ -13,8 +13,9 @@ from methods.motion_guided.frames import to_tensor
 from methods.motion_guided.generative import GenerativeModel
 from methods.motion_guided.inputs import Inputs, dynamic_inputs, motion_of
 from methods.motion_guided.losses import dynamic_pair, latent_regulariser
+from methods.motion_guided.pose_noise import PoseNoise
 from methods.motion_guided.stage1 import TrainingFrames
-from methods.motion_guided.training import batch_at, train
+from methods.motion_guided.training import batch_at, generator, train
 
 FIRST = 3  # the first frame with a velocity and an acceleration before it
 CHUNK = 16  # frames at once where no gradient is needed
@@ -69,9 +70,16 @@ def fit_stage2(
     torch.manual_seed(run.seed)
     dynamics = DynamicEncoder(sizes, len(model.canonical_seeds) if touches else None).to(teacher.codes.device)
 
+    noise = PoseNoise(model, options.pose_noise) if options.pose_noise else None
+
     def loss(step: int) -> dict[str, Tensor]:
         t = FIRST + batch_at(step, options.training.batch, len(teacher.frames) - FIRST, run.seed)
-        return stage2_loss(model, dynamics, teacher, t, inputs_at(model, teacher, t, options, touches), options)
+        inputs = inputs_at(model, teacher, t, options, touches)
+        if noise:
+            garment, seeds = teacher.frames.garments[t - 1], teacher.frames.body.seeds[t - 1]
+            with torch.no_grad():
+                inputs = replace(inputs, features=model.features(*noise(garment, seeds, generator(run.seed, step))))
+        return stage2_loss(model, dynamics, teacher, t, inputs, options)
 
     train(dynamics, loss, options.training, run, "stage 2: dynamics")
 

@@ -1,0 +1,96 @@
+"""A tiny scene: a tube of cloth that lags behind a cylinder swaying and twisting in its middle."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from garmentbench.runs import RunStore
+from garmentbench.sequence import Body, Garment, Sequence, Template
+from methods.motion_guided import MotionGuided
+from methods.motion_guided.config import Collision, Config, Model, Sdf, Stage1, Stage2, Training
+
+
+def tube(radius: float, height: float, rows: int, columns: int, closed: bool) -> tuple[np.ndarray, ...]:
+    """Vertices [m], outward faces, and (row, column) / (rows - 1, columns) of each vertex."""
+    rim = columns if closed else columns + 1
+    row, column = np.divmod(np.arange(rows * rim), rim)
+    angle = 2 * np.pi * column / columns
+    z = height * (row / (rows - 1) - 0.5)
+    vertices = np.stack([radius * np.cos(angle), radius * np.sin(angle), z], axis=1)
+    faces = []
+    for r in range(rows - 1):
+        for c in range(columns):
+            a, b = r * rim + c, r * rim + (c + 1) % rim
+            faces += [[a, b, b + rim], [a, b + rim, a + rim]]
+    return vertices.astype(np.float32), np.array(faces, np.int32), np.stack([column / columns, row / (rows - 1)], axis=1)
+
+
+def cylinder() -> Body:
+    """A closed cylinder with two parts, "low" and "high"."""
+    wall, faces, _ = tube(0.1, 0.8, rows=9, columns=12, closed=True)
+    rest = np.concatenate([wall, [[0, 0, -0.4], [0, 0, 0.4]]]).astype(np.float32)
+    n, around = len(wall), np.arange(12)
+    after = (around + 1) % 12
+    caps = [[n, after[i], around[i]] for i in around] + [[n + 1, 96 + around[i], 96 + after[i]] for i in around]
+    return Body("cylinder", rest, np.concatenate([faces, caps]).astype(np.int32), (rest[:, 2] > 0).astype(np.int8), ("low", "high"))
+
+
+def sway(rest: np.ndarray, time: np.ndarray) -> np.ndarray:
+    """Rest positions, shape (V, 3), swayed, twisted and carried along, shape (T, V, 3)."""
+    twist = 0.6 * np.sin(time)[:, None] * rest[:, 2]
+    x = np.cos(twist) * rest[:, 0] - np.sin(twist) * rest[:, 1] + 0.1 * np.sin(time)[:, None] * rest[:, 2]
+    y = np.sin(twist) * rest[:, 0] + np.cos(twist) * rest[:, 1] - 0.05 * time[:, None]
+    return np.stack([x, y, np.broadcast_to(rest[:, 2], x.shape) + 1.0], axis=-1).astype(np.float32)
+
+
+def make_sequence(frames: int, kind: str = "human") -> Sequence:
+    """The tube's cloth, 2 cm off the body, follows with a lag of a fifth of a radian."""
+    body = replace(cylinder(), kind=kind)
+    if kind == "object":
+        body = replace(body, labels=None, part_names=())
+    rest, faces, uv = tube(0.12, 0.3, rows=6, columns=14, closed=False)
+    rim = 15 * np.arange(6)
+    seams = np.stack([rim, rim + 14], axis=1).astype(np.int32)
+    garment = Garment("tube", rest, faces, (0.05 + 0.9 * uv).astype(np.float32), seams)
+    time = 0.3 * np.arange(frames)
+    return Sequence(Template(garment, body, 30.0), sway(rest, time - 0.2), sway(body.rest, time))
+
+
+def tiny_config() -> Config:
+    """Everything at the smallest size, a few steps a stage."""
+    few = Training(steps=6, batch=2, learning_rate=1e-3)
+    return Config(
+        model=Model(map_size=8, width=4, mlp_width=8, latent=6, seeds=12, output_scale=0.03, centred_descriptor=True),
+        sdf=Sdf(layers=4, width=16, batch=16, training=few),
+        stage1=Stage1(few),
+        stage2=Stage2(few, cache_inputs=True),
+        collision=Collision(map_size=8),
+    )
+
+
+@pytest.fixture(scope="session")
+def sequence() -> Sequence:
+    return make_sequence(16)
+
+
+@pytest.fixture(scope="session")
+def object_sequence() -> Sequence:
+    """The same beside an object that is no human body."""
+    return make_sequence(16, kind="object")
+
+
+@pytest.fixture(scope="session")
+def config() -> Config:
+    return tiny_config()
+
+
+@pytest.fixture(scope="session")
+def store(tmp_path_factory) -> RunStore:
+    return RunStore(tmp_path_factory.mktemp("runs"))
+
+
+@pytest.fixture(scope="session")
+def trained(sequence, config, store) -> MotionGuided:
+    with store.open("train", {"seed": 0}) as run:
+        return MotionGuided.fit(sequence, config, run)

@@ -1,0 +1,50 @@
+import numpy as np
+import pytest
+import torch
+from scipy.spatial.transform import Rotation
+
+from garmentbench.geometry.seeds import select_seeds
+from methods.motion_guided.frames import body_frames
+from methods.motion_guided.skinning import blend_weights, blended_rotations, seed_transforms, skin
+
+
+@pytest.fixture
+def points() -> tuple[torch.Tensor, ...]:
+    torch.manual_seed(0)
+    return torch.randn(1, 9, 3).double(), torch.randn(4, 3).double(), torch.rand(4).double() + 0.5
+
+
+def test_a_rigid_motion_of_the_whole_body_moves_the_garment_rigidly(sequence):
+    seeds = select_seeds(sequence.template, 12)
+    turn, shift = Rotation.from_rotvec([0.3, -0.5, 1.2]).as_matrix(), np.array([3.0, -2.0, 0.5])
+    moved = (sequence.template.body.rest.astype(float) @ turn.T + shift)[None]
+    frames = body_frames(moved, seeds, "frame", torch.device("cpu"))
+    garment = torch.from_numpy(sequence.template.garment.rest)[None]
+    canonical = torch.from_numpy(seeds.rest)
+    weights = blend_weights(garment, canonical, torch.full((12,), 0.05))
+    posed = skin(garment, weights, seed_transforms(frames.rotations, canonical, frames.seeds))
+    expected = garment[0].numpy() @ turn.T + shift - frames.centre[0]
+    np.testing.assert_allclose(posed[0].numpy(), expected, atol=2e-6)
+
+
+def test_seeds_at_rest_leave_the_garment_where_it_is(points):
+    garment, seeds, radii = points
+    still = seed_transforms(torch.eye(3).double().expand(1, 4, 3, 3), seeds, seeds[None])
+    assert (skin(garment, blend_weights(garment, seeds, radii), still) - garment).abs().max() < 1e-12
+
+
+def test_a_vertex_follows_the_seed_whose_kernel_reaches_it():
+    seeds = torch.tensor([[0.0, 0, 0], [1, 0, 0]])
+    halfway = torch.tensor([[[0.5, 0, 0]]])
+    assert blend_weights(halfway, seeds, torch.tensor([0.1, 0.1]))[0, 0].tolist() == pytest.approx([0.5, 0.5])
+    assert blend_weights(halfway, seeds, torch.tensor([0.1, 0.05]))[0, 0, 0] > 0.99
+
+
+def test_blended_rotations_are_the_derivative_at_fixed_weights(points):
+    garment, seeds, radii = points
+    torch.manual_seed(1)
+    transforms, weights = torch.randn(1, 4, 12).double(), blend_weights(garment, seeds, radii)
+    push = torch.randn_like(garment)
+    change = skin(garment + push, weights, transforms) - skin(garment, weights, transforms)
+    expected = (blended_rotations(weights, transforms) @ push[..., None])[..., 0]
+    assert (change - expected).abs().max() < 1e-12
