@@ -23,10 +23,11 @@ class Gait:
         bob: Amplitude of the rise and fall of the pelvis.
         heel_strike: Pitch of the foot, toes up, when the heel strikes.
         push_off: Pitch of the foot, heel up, when the toes leave the ground.
+        variation: How much one stride differs from the next: 1 as in people, 0 for an exact loop (see `variation.py`).
     """
 
     arm_space: float
-    period: float = 1.1
+    period: float = 1.09
     stride: float = 1.35
     step_width: float = 0.13
     arm_swing: float = 18.0
@@ -38,6 +39,7 @@ class Gait:
     bob: float = 0.018
     heel_strike: float = 18.0
     push_off: float = 55.0
+    variation: float = 1.0
 
 
 WALK = Gait(arm_space=22.0)

@@ -22,15 +22,15 @@ def animate_human(scene: Scene, size: str, frames: int) -> Animation:
     steps = gait(scene.motion.name)
     baked = load_body(scene.body, size)
     when = timing(steps, scene.motion, frames, scene.fps)
-    positions = _vertices(baked, steps, when.phase, when.dressed)
+    positions = _vertices(baked, steps, when.phase, when.dressed, when.phase[WARM_UP])
     morphing = when.shape < 1
     if scene.body != DRESSED:
         share = when.shape[morphing, None, None]
-        base = _vertices(load_body(DRESSED, size), steps, when.phase[morphing], when.dressed[morphing])
+        base = _vertices(load_body(DRESSED, size), steps, when.phase[morphing], when.dressed[morphing], when.phase[WARM_UP])
         positions[morphing] = base + share * (positions[morphing] - base)
     return Animation(baked.body, place(positions, scene.motion), WARM_UP)
 
 
-def _vertices(baked: BakedBody, steps: Gait, phase: np.ndarray, dressed: np.ndarray) -> np.ndarray:
-    walking = walk(baked, steps, phase, dressed)
+def _vertices(baked: BakedBody, steps: Gait, phase: np.ndarray, dressed: np.ndarray, first: float) -> np.ndarray:
+    walking = walk(baked, steps, phase, dressed, first)
     return pose_exact(baked, walking.rotations, walking.root)

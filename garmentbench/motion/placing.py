@@ -5,12 +5,16 @@ import numpy as np
 from garmentbench.scene import Motion
 
 
-def frame_times(motion: Motion, frames: int, fps: float, warm_up: int) -> np.ndarray:
-    """The time within the motion [s] of every frame, the warm-up's first (negative), shape (warm_up + frames,)."""
-    frame = np.arange(-warm_up, frames)
-    if motion.freeze_after is not None:
-        frame = np.minimum(frame, motion.freeze_after)
-    return frame * motion.speed / fps
+FREEZE_TIME = 0.3  # seconds in which a body comes to a standstill
+
+
+def played_frames(frame: np.ndarray, freeze_after: int | None, fps: float) -> np.ndarray:
+    """Frames of a motion that have been played at each frame: as many, until the freeze stops them; C2."""
+    if freeze_after is None:
+        return frame.astype(np.float64)
+    length = FREEZE_TIME * fps
+    v = np.clip((frame - freeze_after) / length, 0.0, 1.0)
+    return np.minimum(frame, freeze_after) + length * (v - v**3 + v**4 / 2)  # the integral of 1 - (3 v^2 - 2 v^3)
 
 
 def place(points: np.ndarray, motion: Motion) -> np.ndarray:

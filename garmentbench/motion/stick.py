@@ -9,7 +9,8 @@ from scipy.spatial.transform import Rotation
 
 from garmentbench.errors import unknown_name
 from garmentbench.motion.animation import Animation
-from garmentbench.motion.placing import frame_times, place
+from garmentbench.motion.easing import smoothstep
+from garmentbench.motion.placing import place, played_frames
 from garmentbench.scene import Scene
 from garmentbench.sequence import OBJECT, Body
 
@@ -89,9 +90,9 @@ def animate_stick(scene: Scene, frames: int) -> Animation:
 
 def _pose(scene: Scene, frames: int) -> tuple[np.ndarray, np.ndarray]:
     """Position of the stick's middle against rest [m], shape (T, 3), and its rotation, shape (T, 3, 3)."""
-    seconds = frame_times(scene.motion, frames, scene.fps, WARM_UP)
-    begun = np.clip(np.arange(len(seconds)) / WARM_UP, 0, 1)
-    ease = begun**3 * (10 + begun * (6 * begun - 15))  # smooth to the second derivative
+    frame = np.arange(-WARM_UP, frames)
+    seconds = played_frames(frame, scene.motion.freeze_after, scene.fps) * scene.motion.speed / scene.fps
+    ease = smoothstep(1 + frame / WARM_UP)
     sway = {
         name: sum(a * np.sin(2 * np.pi * f * seconds + phase) for a, f, phase in waves)
         for name, waves in _MOTIONS[scene.motion.name].items()

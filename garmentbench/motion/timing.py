@@ -7,6 +7,8 @@ import numpy as np
 from garmentbench.motion.easing import smoothstep
 from garmentbench.motion.foot import HEEL_OFF
 from garmentbench.motion.gait import Gait
+from garmentbench.motion.placing import played_frames
+from garmentbench.motion.variation import hurry
 from garmentbench.scene import Motion
 
 WARM_UP = 60  # frames before frame 0
@@ -14,7 +16,6 @@ START = HEEL_OFF - 0.54  # just before the right heel, as the first, comes off t
 _STEPPING = 8  # frames from the start in which only the pose changes
 _DRESSED = 26  # frames from the start until the pose is the walk's
 _MORPHED = 25  # frames from the start until the shape is the scene's
-FREEZE_TIME = 0.3  # seconds in which a body comes to a standstill
 _LIKED = 1.6  # final speed of the phase over its mean in the warm-up; monotone from 0 to 2.5
 
 
@@ -38,7 +39,8 @@ def timing(gait: Gait, motion: Motion, frames: int, fps: float) -> Timing:
     rate = motion.speed / (gait.period * fps)  # cycles a frame
     stepping = WARM_UP - _STEPPING
     start = _start((np.arange(WARM_UP) - _STEPPING) / stepping, rate * stepping)
-    phase = round(start[-1] + rate) + rate * _played(np.arange(frames), motion.freeze_after, fps)
+    played = rate * played_frames(np.arange(frames), motion.freeze_after, fps)
+    phase = round(start[-1] + rate) + played + gait.variation * hurry(played)
     return Timing(
         phase=np.concatenate([start, phase]),
         dressed=smoothstep(np.arange(WARM_UP + frames) / _DRESSED),
@@ -51,12 +53,3 @@ def _start(u: np.ndarray, rate: float) -> np.ndarray:
     u = np.maximum(u, 0.0)
     cycles = max(1, round(rate / _LIKED + START)) - START
     return START + cycles * smoothstep(u) + rate * u**3 * (u * (7 - 3 * u) - 4)
-
-
-def _played(frame: np.ndarray, freeze_after: int | None, fps: float) -> np.ndarray:
-    """Frames of the walk that have been played at each frame: as many, until the freeze stops them; C2."""
-    if freeze_after is None:
-        return frame.astype(np.float64)
-    length = FREEZE_TIME * fps
-    v = np.clip((frame - freeze_after) / length, 0.0, 1.0)
-    return np.minimum(frame, freeze_after) + length * (v - v**3 + v**4 / 2)  # the integral of 1 - (3 v^2 - 2 v^3)

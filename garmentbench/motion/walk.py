@@ -1,6 +1,6 @@
 """From a gait and its phases to the rotations of all bones and the path of the pelvis."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -10,6 +10,7 @@ from garmentbench.motion.easing import bump, rolling_start
 from garmentbench.motion.foot import FLAT, STANCE, FootRoll, pitch_up, roll_foot
 from garmentbench.motion.gait import Gait
 from garmentbench.motion.legs import Leg, rest_leg, solve_leg, unit
+from garmentbench.motion.variation import Varied, vary
 
 MID_STANCE = 0.225  # phase at which the pelvis passes over the flat foot
 _STARTING = 0.36  # the pelvis comes up to speed within this many cycles before and after it
@@ -28,7 +29,7 @@ class Walk:
     root: np.ndarray
 
 
-def walk(baked: BakedBody, gait: Gait, phase: np.ndarray, dressed: np.ndarray) -> Walk:
+def walk(baked: BakedBody, gait: Gait, phase: np.ndarray, dressed: np.ndarray, first: float = 0.0) -> Walk:
     """Walk forward (-y) through `phase`.
 
     Args:
@@ -36,11 +37,13 @@ def walk(baked: BakedBody, gait: Gait, phase: np.ndarray, dressed: np.ndarray) -
         gait: How it walks.
         phase: Phase at each frame, shape (T,); it stands still with both feet flat before its feet first leave.
         dressed: From 0 (trunk and arms as in the rest pose) to 1 (all walking), shape (T,).
+        first: The phase from which on what varies between strides is counted.
     """
     roll = roll_foot(baked, gait)
     rotations = np.tile(np.eye(3), (len(phase), len(baked.joint_names), 1, 1))
-    _trunk(baked, gait, phase, dressed, rotations)
-    _arms(baked, gait, phase, dressed, rotations)
+    _trunk(baked, vary(gait, phase - first), phase, dressed, rotations)
+    for side, offset in (("L", 0.0), ("R", 0.5)):  # the two arms vary each in its own time
+        _arm(baked, vary(gait, phase - first + 20 * offset), side, phase + offset, dressed, rotations)
     root = _pelvis(baked, gait, phase, dressed)
     root[:, 2] += dressed * (_pelvis_height(baked, gait, roll) - baked.joints[0, 2])
     root[:, 2] = np.minimum(root[:, 2], _highest(baked, gait, roll, phase, root, rotations, _LIMIT))
@@ -53,7 +56,7 @@ def _turns(axis: str, degrees: np.ndarray) -> Rotation:
     return Rotation.from_euler(axis, degrees[:, None], degrees=True)
 
 
-def _trunk(baked: BakedBody, gait: Gait, phase: np.ndarray, dressed: np.ndarray, rotations: np.ndarray) -> None:
+def _trunk(baked: BakedBody, gait: Varied, phase: np.ndarray, dressed: np.ndarray, rotations: np.ndarray) -> None:
     """The pelvis turns with the leading leg and drops towards the swinging one; the chest turns against it."""
     cycle = 2 * np.pi * phase
     turn, drop = -gait.pelvis_turn * np.cos(cycle), -gait.hip_sway * np.sin(cycle + 0.3)
@@ -66,25 +69,28 @@ def _trunk(baked: BakedBody, gait: Gait, phase: np.ndarray, dressed: np.ndarray,
         rotations[:, baked.joint_names.index(name)] = attitude.as_matrix()
 
 
-def _arms(baked: BakedBody, gait: Gait, phase: np.ndarray, dressed: np.ndarray, rotations: np.ndarray) -> None:
-    """Each arm hangs `arm_space` off the body and swings against the leg of its side; the elbow bends on the way up."""
-    for side, out, offset in (("L", 1.0, 0.0), ("R", -1.0, 0.5)):
-        joint = {name: baked.joint_names.index(f"{name}.{side}") for name in ("upper_arm", "fore_arm", "hand")}
-        upper, fore = (
-            unit(baked.joints[joint[end]] - baked.joints[joint[start]])
-            for start, end in (("upper_arm", "fore_arm"), ("fore_arm", "hand"))
-        )
-        swing = -np.cos(2 * np.pi * (phase + offset - 0.04))
-        elbow = gait.elbow * (1 + 0.45 * np.sin(2 * np.pi * (phase + offset - 0.33)))
-        hanging = Rotation.align_vectors([[0.0, 0.0, -1.0]], [upper])[0]
-        raised = _turns("x", -gait.arm_swing * swing) * _turns("y", np.full_like(phase, -out * gait.arm_space))
-        hinge = unit(np.cross(upper, fore))
-        bend = np.radians(elbow) - np.arccos(np.dot(upper, fore))
-        chest = Rotation.from_matrix(rotations[:, baked.joint_names.index("chest")])
-        arm = chest * Rotation.from_rotvec(dressed[:, None] * (raised * hanging).as_rotvec())
-        rotations[:, joint["upper_arm"]] = arm.as_matrix()
-        lower = arm * Rotation.from_rotvec((dressed * bend)[:, None] * hinge)
-        rotations[:, joint["fore_arm"]] = rotations[:, joint["hand"]] = lower.as_matrix()
+def _arm(
+    baked: BakedBody, gait: Varied, side: str, phase: np.ndarray, dressed: np.ndarray, rotations: np.ndarray
+) -> None:
+    """An arm hangs `arm_space` off the body and swings against its leg, whose phase it is given; the elbow bends on the
+    way up."""
+    out = 1.0 if side == "L" else -1.0
+    joint = {name: baked.joint_names.index(f"{name}.{side}") for name in ("upper_arm", "fore_arm", "hand")}
+    upper, fore = (
+        unit(baked.joints[joint[end]] - baked.joints[joint[start]])
+        for start, end in (("upper_arm", "fore_arm"), ("fore_arm", "hand"))
+    )
+    swing = -np.cos(2 * np.pi * (phase - 0.04))
+    elbow = gait.elbow * (1 + 0.45 * np.sin(2 * np.pi * (phase - 0.33)))
+    hanging = Rotation.align_vectors([[0.0, 0.0, -1.0]], [upper])[0]
+    raised = _turns("x", -gait.arm_swing * swing) * _turns("y", -out * gait.arm_space)
+    hinge = unit(np.cross(upper, fore))
+    bend = np.radians(elbow) - np.arccos(np.dot(upper, fore))
+    chest = Rotation.from_matrix(rotations[:, baked.joint_names.index("chest")])
+    arm = chest * Rotation.from_rotvec(dressed[:, None] * (raised * hanging).as_rotvec())
+    rotations[:, joint["upper_arm"]] = arm.as_matrix()
+    lower = arm * Rotation.from_rotvec((dressed * bend)[:, None] * hinge)
+    rotations[:, joint["fore_arm"]] = rotations[:, joint["hand"]] = lower.as_matrix()
 
 
 def _pelvis(baked: BakedBody, gait: Gait, phase: np.ndarray, dressed: np.ndarray) -> np.ndarray:
@@ -164,6 +170,6 @@ def _pelvis_height(baked: BakedBody, gait: Gait, roll: FootRoll) -> float:
     """The mean height of the pelvis joint [m] at which the legs are just not stretched at any time of the cycle."""
     phase = 3 + np.arange(240) / 240
     rotations = np.tile(np.eye(3), (len(phase), len(baked.joint_names), 1, 1))
-    _trunk(baked, gait, phase, np.ones_like(phase), rotations)
+    _trunk(baked, vary(replace(gait, variation=0.0), phase), phase, np.ones_like(phase), rotations)
     root = _pelvis(baked, gait, phase, np.ones_like(phase))
     return float(np.min(_highest(baked, gait, roll, phase, root, rotations, _STRETCH) - _bob(gait, phase)))

@@ -29,7 +29,7 @@ def test_warm_up_starts_at_rest_in_the_base_shape_and_ends_in_its_own(body):
     np.testing.assert_allclose(animation.positions[0], base, atol=1e-9)
     assert np.abs(animation.positions[1] - animation.positions[0]).max() < 1e-3  # at rest, too
     feet = animation.positions[animation.warm_up :, :, 2].min(axis=1)
-    assert (feet > -1e-6).all() and (feet < 0.004).all()
+    assert (feet > -1e-5).all() and (feet < 0.004).all()  # the roll is a spline: up to 2 micrometres low between its knots
 
 
 @pytest.mark.parametrize("name", GAITS)
@@ -77,10 +77,10 @@ def test_translate_and_turn_move_all_of_it_rigidly():
 
 
 def test_no_drift_over_a_long_walk():
-    """After 1,155 frames, 35 cycles, the pose is the first one's to rounding."""
-    gait = GAITS["armspace-75"]
-    when = timing(gait, Motion("armspace-75"), 1156, 30.0)
-    assert when.phase[WARM_UP + 1155] - when.phase[WARM_UP] == pytest.approx(35, abs=1e-10)
+    """After 1,150 frames a walk that is an exact loop is where it should be, to rounding."""
+    gait = replace(GAITS["armspace-75"], variation=0.0)
+    when = timing(gait, Motion("armspace-75"), 1151, 30.0)
+    assert when.phase[WARM_UP + 1150] - when.phase[WARM_UP] == pytest.approx(1150 / (30 * gait.period), abs=1e-10)
 
 
 def test_preset_limits_frames_and_chooses_the_mesh():
