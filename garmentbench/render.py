@@ -11,7 +11,7 @@ import warp as wp
 from garmentbench.geometry.mesh import vertex_normals
 
 SKIN = (0.62, 0.62, 0.64)
-CLOTH = (0.27, 0.50, 0.74)
+CLOTH = (0.33, 0.55, 0.79)
 BACKGROUND = (1.0, 1.0, 1.0)
 ERROR_COLOURS = "YlOrRd"
 ERROR_SCALE_CM = 5.0  # error colours run from 0 to this, in every picture and recording
@@ -114,11 +114,12 @@ def _camera(box: np.ndarray, azimuth: float, size: tuple[int, int]) -> tuple[np.
 
 @wp.func
 def _shade(normal: wp.vec3, view: wp.vec3, right: wp.vec3, up: wp.vec3) -> float:
-    """Lambert: a key light from the camera's upper left, a fill from its right, and light from the sky."""
-    key = wp.normalize(up * 0.8 - right * 0.6 - view * 0.7)
+    """Lambert: a key light from the left, so that folds show, a fill from the right, and light from the sky."""
+    key = wp.normalize(up * 0.6 - right - view * 0.45)
     fill = wp.normalize(right - view * 0.6)
     sky = 0.5 + 0.5 * normal[2]
-    return 0.16 + 0.16 * sky + 0.72 * wp.max(wp.dot(normal, key), 0.0) + 0.16 * wp.max(wp.dot(normal, fill), 0.0)
+    lit = 0.90 * wp.max(wp.dot(normal, key), 0.0) + 0.20 * wp.max(wp.dot(normal, fill), 0.0)
+    return 0.11 + 0.15 * sky + lit
 
 
 @wp.kernel
