@@ -23,18 +23,19 @@ class Material:
         bend_damping: Damping time of bending [s].
         air: Rate at which velocity decays towards that of the air [1/s].
         friction: Coulomb's coefficient against the body [1].
-        thickness: Distance that the cloth's middle keeps from the body [m].
+        thickness: Distance that vertices keep from the body [m]. Contact is at vertices only: on the laptop T-shirt
+            (edges of 2.5 cm) the faces between them cut the skin at 3 mm, and no longer at 5 mm.
     """
 
     density: float = 0.2
     stretch: float = 300.0
     compression: float = 0.3
-    bending: float = 1.5e-4
+    bending: float = 1.5e-5
     stretch_damping: float = 1e-4
     bend_damping: float = 5e-3
     air: float = 5.0
     friction: float = 0.4
-    thickness: float = 3e-3
+    thickness: float = 5e-3
 
 
 @dataclass(frozen=True)
