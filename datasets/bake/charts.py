@@ -40,7 +40,8 @@ def flatten(points: np.ndarray, faces: np.ndarray, rounds: int = 100) -> np.ndar
     weights = sp.csr_array(weights + weights.T)
     # The tiny diagonal fixes where the chart lies, which the energy leaves open.
     solve = factorized(sp.csc_array(sp.diags_array(weights.sum(axis=1) + 1e-9) - weights))
-    area = np.linalg.norm(np.cross(points[j[:, 0]] - points[i[:, 0]], points[j[:, 1]] - points[i[:, 0]]), axis=1).sum() / 2
+    a, b, c = points[faces].transpose(1, 0, 2)
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
     flat = disk_map(points, faces, border_loop(faces)) * np.sqrt(area / np.pi)
     wanted = local - np.roll(local, -1, axis=1)
     for _ in range(rounds):

@@ -1,0 +1,164 @@
+"""The baked garments: sizes, topology, UV charts, and that they are put on without touching."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from garmentbench.bodies import load_body
+from garmentbench.errors import UsageError
+from garmentbench.garments import garment_names, load_garment
+from garmentbench.metrics.interpenetration_strict import signed_distances
+from garmentbench.motion.stick import HEIGHT, RADIUS, stick
+from garmentbench.paths import GARMENTS
+from garmentbench.presets import PRESETS
+from garmentbench.sequence import Body, Garment
+
+SIZES = list(PRESETS)
+EVERY = [(name, size) for name in ("sheet", "tshirt") for size in SIZES]
+COUNTS = {
+    ("sheet", "smoke"): 200, ("sheet", "laptop"): 900, ("sheet", "paper"): 5_000,
+    ("tshirt", "smoke"): 400, ("tshirt", "laptop"): 1_500, ("tshirt", "paper"): 18_902,
+}  # fmt: skip
+
+
+def sewn(garment: Garment) -> np.ndarray:
+    """Faces with both copies of a seam point as one vertex."""
+    number = np.arange(len(garment.rest))
+    number[garment.seams[:, 1]] = garment.seams[:, 0]
+    return number[garment.faces]
+
+
+def directed_edges(faces: np.ndarray) -> np.ndarray:
+    return faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+
+
+def border_loops(faces: np.ndarray) -> list[np.ndarray]:
+    """Vertices of each border loop; asserts that every border vertex has one edge in and one out."""
+    pairs = directed_edges(faces)
+    back = set(map(tuple, pairs[:, ::-1].tolist()))
+    border = np.array([pair for pair in pairs.tolist() if tuple(pair) not in back])
+    assert (np.unique(border[:, 0], return_counts=True)[1] == 1).all()
+    return trimesh.graph.connected_components(border)
+
+
+def twice_uv_area(garment: Garment) -> np.ndarray:
+    a, b, c = garment.uv[garment.faces].astype(np.float64).transpose(1, 2, 0)
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def distances(garment: Garment, body: Body) -> np.ndarray:
+    """Signed distances of all vertices to the surface [m], negative inside."""
+    return signed_distances(garment.rest[None], body.rest[None], body.faces)[0]
+
+
+def test_names():
+    assert garment_names() == ["sheet", "tshirt"]
+
+
+@pytest.mark.parametrize(("name", "size"), [("tshrt", "laptop"), ("tshirt", "lapdog")])
+def test_unknown_name_or_size_tells_the_nearest(name, size):
+    with pytest.raises(UsageError, match="did you mean '(tshirt|laptop)'"):
+        load_garment(name, size)
+
+
+@pytest.mark.parametrize(("name", "size"), EVERY)
+def test_counts_types_and_file_size(name, size):
+    garment = load_garment(name, size)
+    assert len(garment.rest) == pytest.approx(COUNTS[name, size], rel=0.03)
+    assert (garment.rest.dtype, garment.uv.dtype) == (np.float32, np.float32)
+    assert {a.dtype for a in (garment.faces, garment.seams, garment.pins)} == {np.dtype(np.int32)}
+    np.testing.assert_array_equal(np.unique(garment.faces), np.arange(len(garment.rest)))
+    path = GARMENTS / f"{name}-{size}.npz"
+    assert path.stat().st_size < 1.5e6
+    with np.load(path) as file:
+        assert str(file["licence"]) == "CC0-1.0"
+
+
+@pytest.mark.parametrize(("name", "size"), EVERY)
+def test_manifold_oriented_and_in_one_piece(name, size):
+    faces = sewn(load_garment(name, size))
+    pairs = directed_edges(faces)
+    assert len(np.unique(pairs, axis=0)) == len(pairs)  # each direction once: manifold and consistently oriented
+    assert len(trimesh.graph.connected_components(pairs)) == 1
+    assert len(border_loops(faces)) == {"tshirt": 4, "sheet": 1}[name]  # collar, hem and two sleeves; or the sheet's rim
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_tshirt_openings_lie_where_they_should(size):
+    garment = load_garment("tshirt", size)
+    middles = np.array([garment.rest[loop].mean(axis=0) for loop in border_loops(sewn(garment))])
+    order = np.argsort(middles[:, 0])
+    right, left = middles[order[[0, 3]]]
+    hem, collar = sorted(middles[order[1:3]], key=lambda middle: middle[2])
+    np.testing.assert_allclose(right * [-1, 1, 1], left, atol=0.01)
+    assert 0.25 < left[0] < 0.40 and hem[2] < 1.0 < left[2] < collar[2]
+    np.testing.assert_allclose([hem[0], collar[0]], 0, atol=0.01)
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_seam_copies_coincide_in_space_and_not_in_uv(size):
+    garment = load_garment("tshirt", size)
+    a, b = garment.seams.T
+    np.testing.assert_array_equal(garment.rest[a], garment.rest[b])
+    assert np.linalg.norm(garment.uv[a] - garment.uv[b], axis=1).min() > 0.05
+    assert len(np.unique(garment.seams)) == garment.seams.size
+
+
+@pytest.mark.parametrize(("name", "size"), EVERY)
+def test_no_slivers(name, size):
+    garment = load_garment(name, size)
+    corners = garment.rest[garment.faces].astype(np.float64)
+    lengths = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+    assert lengths.min() > 0.3 * np.median(lengths)
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
+    assert (2 * area / lengths.max(axis=1)).min() > 0.12 * np.median(lengths)
+
+
+@pytest.mark.parametrize(("name", "size"), EVERY)
+def test_uv_charts_fill_the_square_without_flips(name, size):
+    garment = load_garment(name, size)
+    assert garment.uv.min() > 0.02 and garment.uv.max() < 0.98
+    np.testing.assert_allclose(np.ptp(garment.uv, axis=0), 0.94, atol=1e-5)
+    area = twice_uv_area(garment)
+    assert area.min() > 0
+    charts = trimesh.graph.connected_components(directed_edges(garment.faces))
+    assert len(charts) == {"tshirt": 2, "sheet": 1}[name]
+    corners = garment.rest[garment.faces].astype(np.float64)
+    cloth = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    stretch = area / cloth / (area.sum() / cloth.sum())
+    assert 0.2 < stretch.min() and stretch.max() < 1.6
+
+
+@pytest.mark.parametrize(("name", "size"), EVERY)
+def test_uv_triangles_do_not_overlap(name, size):
+    """Rastered: no texel's centre lies in two triangles."""
+    garment, texels = load_garment(name, size), 512
+    hits = np.zeros((texels, texels), int)
+    for corners in garment.uv[garment.faces].astype(np.float64) * texels - 0.5:
+        low, high = np.ceil(corners.min(0)).astype(int), np.floor(corners.max(0)).astype(int)
+        u, v = np.meshgrid(np.arange(low[0], high[0] + 1), np.arange(low[1], high[1] + 1), indexing="ij")
+        inside = np.ones(u.shape, bool)
+        for (au, av), (bu, bv) in zip(corners, np.roll(corners, -1, axis=0)):
+            inside &= (bu - au) * (v - av) - (bv - av) * (u - au) > 1e-9
+        hits[u[inside], v[inside]] += 1
+    assert hits.max() == 1
+    assert hits.mean() == pytest.approx(twice_uv_area(garment).sum() / 2, abs=0.01)
+
+
+@pytest.mark.parametrize("body_size", ["small", "full"])
+@pytest.mark.parametrize("size", SIZES)
+def test_tshirt_is_off_the_skin_and_loose(size, body_size):
+    garment, body = load_garment("tshirt", size), load_body("base", body_size).body
+    off = distances(garment, body)
+    assert off.min() > 0.004
+    assert np.median(off[garment.rest[:, 2] < 1.05]) > 0.015  # round the hips
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_sheet_hangs_tangent_to_the_stick(size):
+    garment = load_garment("sheet", size)
+    assert distances(garment, stick()).min() > 0.003
+    pins = garment.rest[garment.pins].astype(np.float64)
+    off_axis = np.linalg.norm(pins[:, 1:] - [0, HEIGHT], axis=1)
+    assert (off_axis < RADIUS + 0.01).all()
+    assert len(garment.pins) == len(np.unique(garment.rest[:, 0])) and np.ptp(garment.rest[:, 1]) == 0
