@@ -10,7 +10,7 @@ from evals.experiment import FULL, Entry
 
 
 def _ablation(name: str, *entries: Entry, table: str = "ablations"):
-    return replace(BASELINES, name=f"ablation-{name}", table=table, entries=(FULL, *entries))
+    return replace(BASELINES, name=f"ablation-{name}", table=table, entries=(FULL, *entries), needs=False)
 
 
 ABLATIONS = (

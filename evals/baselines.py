@@ -11,4 +11,5 @@ BASELINES = Experiment(
     train="tshirt-armspace-75",
     tests=("tshirt-armspace-90",),
     entries=(*SIMPLE, FULL),
+    needs=True,
 )

@@ -30,7 +30,8 @@ class Experiment:
     """Entries trained on one scene and tested on others. `table` is its name in results.csv.
 
     Several experiments may share a table's name and lines; a line is computed once.
-    `simulator` adds the reference simulation's own line (method "reference") for every test scene.
+    `simulator` adds the reference simulation's own line (method "reference") for every test scene, `needs` the rows that
+    say what was left out for the training scene and what that saves.
     """
 
     name: str
@@ -39,6 +40,7 @@ class Experiment:
     tests: tuple[str, ...]
     entries: tuple[Entry, ...]
     simulator: bool = False
+    needs: bool = False
 
 
 FULL = Entry("motion_guided")

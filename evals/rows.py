@@ -42,24 +42,37 @@ def with_skill(rows: list[dict]) -> list[dict]:
     """The rows and `skill` beside each rollout_l2: 1 - error / skinning's error on the same frames."""
 
     def frames(row: dict) -> tuple:
-        return row["experiment"], row["scene"], row["horizon"]
+        return row["scene"], row["horizon"]
 
-    errors = [r for r in rows if r["metric"] == "rollout_l2" and r.get("horizon") is not None]
-    skinning = {frames(r): r["value"] for r in errors if r["method"] == "skinning" and r["status"] == "ok"}
+    errors = [r for r in rows if r["metric"] == "rollout_l2" and r["status"] == "ok"]
+    skinning = {frames(r): r["value"] for r in errors if r["method"] == "skinning"}
     skill = [
         r | {"metric": "skill", "value": 1.0 - r["value"] / skinning[frames(r)], "unit": "1", "uncertainty": None}
         for r in errors
         if frames(r) in skinning
     ]
-    return rows + skill
+    return [r for r in rows if r["metric"] != "skill"] + skill
 
 
-def write_results(folder: Path, rows: Iterable[dict[str, Any]]) -> None:
-    """Write results.csv (rows in a fixed order, numbers with 6 digits) into a report's folder."""
+def merged(path: Path, rows: list[dict]) -> list[dict]:
+    """The rows, and those of the results.csv at `path` that are about other lines."""
     import pandas
 
-    folder.mkdir(parents=True, exist_ok=True)
-    table = pandas.DataFrame(with_skill(list(rows)), columns=COLUMNS).drop_duplicates()
+    def line(row: dict) -> tuple:
+        return tuple(str(row[c]) for c in ("experiment", "scene", "method", "variant", "seed"))
+
+    if not path.is_file():
+        return rows
+    new = {line(row) for row in rows}
+    old = pandas.read_csv(path, dtype={"horizon": "Int64", "train_frames": "Int64", "first_bad_frame": "Int64"})
+    return rows + [row for row in old.to_dict("records") if line(row) not in new]
+
+
+def write_results(path: Path, rows: Iterable[dict[str, Any]]) -> None:
+    """Write results.csv: rows in a fixed order, numbers with 6 digits."""
+    import pandas
+
+    table = pandas.DataFrame(with_skill(list(rows)), columns=COLUMNS)
     table = table.astype({"horizon": "Int64", "train_frames": "Int64", "first_bad_frame": "Int64"})
-    table = table.sort_values(["experiment", "scene", "method", "variant", "train_frames", "seed", "metric", "horizon"])
-    write_text(folder / "results.csv", table.to_csv(index=False, float_format="%.6g"))
+    table = table.sort_values(list(COLUMNS[1:13])).drop_duplicates()
+    write_text(path, table.to_csv(index=False, float_format="%.6g"))

@@ -8,7 +8,8 @@ from typing import Any
 from evals import EXPERIMENTS
 from evals.experiment import Entry, Experiment
 from evals.jobs import Failure, Job, run_jobs, worker_count
-from evals.rows import about, failed_row, write_results
+from evals.needs import NEEDS_TABLE, left_out
+from evals.rows import about, failed_row, merged, write_results
 from evals.stability import UNSTRESSED, method_measures, simulator_measures
 from garmentbench import work
 from garmentbench.errors import UserError, unknown_name
@@ -52,9 +53,12 @@ def run(names: list[str], preset: Preset, seeds: int, data_only: bool = False) -
     os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
     results = run_jobs(jobs, worker_count())
     if not data_only:
-        from garmentbench.report import make_report
+        rows = [row for line in lines for row in _rows(line, preset, results)]
+        rows += [row for experiment in experiments if experiment.needs for row in _needs_rows(experiment, preset, results)]
+        path = REPORTS / preset.name / "results.csv"
+        write_results(path, merged(path, rows) if names else rows)
+        from garmentbench.report import make_report  # matplotlib is not for the workers
 
-        write_results(REPORTS / preset.name, [row for line in lines for row in _rows(line, preset, results)])
         make_report(preset.name, REPORTS, RUNS)
         print(f"report: {REPORTS / preset.name / 'index.html'}")
     failed = [r for r in results.values() if isinstance(r, Failure)]
@@ -83,7 +87,11 @@ def _jobs(experiments: list[Experiment], lines: list[Line], preset: Preset, data
     for scene in {s: None for e in experiments for s in (e.train, *e.tests)}:
         frames = load_scene(scene).frames
         add(Job(("sequence", scene), f"simulate {scene}", _sequence, (), (scene, preset), cost=0.2 * frames))
-    for line in lines if not data_only else []:
+    if data_only:
+        return jobs
+    for scene in {e.train for e in experiments if e.needs}:
+        add(Job(("needs", scene), f"what {scene} does not need", left_out, (("sequence", scene),), (preset,)))
+    for line in lines:
         if line.entry is None:
             continue
         train, test = line.experiment.train, line.scene
@@ -136,6 +144,13 @@ def _rows(line: Line, preset: Preset, results: dict) -> list[dict]:
     if line.experiment.simulator:
         measured = measured + _stress_rows(scene, simulated, run, results.get(("evaluate", line.trained, UNSTRESSED)))
     return [columns | row | {"run_id": run.id} for row in measured]
+
+
+def _needs_rows(experiment: Experiment, preset: Preset, results: dict) -> list[dict]:
+    """The rows that say what was left out for an experiment's training scene."""
+    columns = about(NEEDS_TABLE, preset, load_scene(experiment.train), "motion_guided", "full", None, 0)
+    measured = results[("needs", experiment.train)]
+    return [failed_row(columns, measured)] if isinstance(measured, Failure) else [columns | row for row in measured]
 
 
 def _stress_rows(scene: Scene, simulated: Path, run: Run, unstressed: str | Failure) -> list[dict]:

@@ -8,4 +8,5 @@ STICK = Experiment(
     train="sheet-stick-a",
     tests=("sheet-stick-b",),
     entries=(*SIMPLE, FULL, Entry("motion_guided", "no_virtual_sample")),
+    needs=True,
 )
