@@ -64,7 +64,7 @@ def _ended(found: list[Line], records: dict[str, dict]) -> list[Ended]:
     for line in found:
         for row in line.rows[line.rows.status != "ok"].drop_duplicates("run_id").itertuples():
             ran = row.run_id in records
-            message = records[row.run_id]["results"].get("message", "") if ran else str(row.run_id).strip("()")
+            message = records[row.run_id]["results"].get("message", "") if ran else row.run_id[1:-1]
             name = line.label + (f", seed {row.seed}" if line.rows.seed.nunique() > 1 else "")
             ended.append(Ended(line.scene, name, ending(row), message))
     return list(dict.fromkeys(ended))

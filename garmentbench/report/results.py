@@ -79,7 +79,7 @@ class Line:
     @property
     def run_ids(self) -> list[str]:
         """Ids of its runs, in the order of the seeds; a run that could not be made has none."""
-        return [i for i in self.rows.sort_values("seed").run_id.dropna().unique() if not i.startswith("(")]
+        return [i for i in self.rows.sort_values("seed").run_id.unique() if i and not i.startswith("(")]
 
 
 def label(method: str, variant: str) -> str:
@@ -99,7 +99,7 @@ def read_results(path: Path) -> "pandas.DataFrame":
     missing = [c for c in COLUMNS if c not in table.columns]
     if missing:
         raise UserError(f"{path}: lacks the column '{missing[0]}'; run `make evals PRESET={path.parent.name}` again")
-    return table.fillna({column: "" for column in ("variant", "body", "status")})
+    return table.fillna({column: "" for column in ("variant", "body", "status", "run_id")})
 
 
 def lines(results: "pandas.DataFrame", experiment: str, scene: str | None = None) -> list[Line]:

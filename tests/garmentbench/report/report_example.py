@@ -32,7 +32,7 @@ def write_example(root: Path, frames: int = 160) -> None:
             rows += measured(experiment, WALK, "motion_guided", "full", seed, error, run)
     run = write_run(runs, walk, "evaluate-diverged", 1.5, bad=37)
     rows += measured("baselines", WALK, "constant_velocity", "full", 0, 1.5, run, bad=37, before=False)
-    rows.append(never_ran("ablations", WALK, "motion_guided", "no_collision", "train: raised ValueError: <bad> & ugly"))
+    rows.append(never_ran("ablations", WALK, "motion_guided", "no_collision", "train: raised ValueError: <bad> & (ugly)"))
     for train_frames, error in ((50, 1.9), (150, 0.9)):
         run = write_run(runs, walk, f"evaluate-train-{train_frames}", error)
         label = f"train_{train_frames}"

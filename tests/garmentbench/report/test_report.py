@@ -71,7 +71,7 @@ def test_every_line_is_in_its_table_however_it_ended(folder):
     ablations = (folder / "tables" / "ablations-tshirt-armspace-90.md").read_text()
     assert "| motion-guided, no collision | – |" in ablations and ablations.rstrip().endswith("| failed |")
     page = (folder / "index.html").read_text()
-    assert "train: raised ValueError: &lt;bad&gt; &amp; ugly" in page
+    assert "train: raised ValueError: &lt;bad&gt; &amp; (ugly)<" in page
     assert "3 of 105 vertices are not finite" in page
 
 
