@@ -7,7 +7,9 @@ from scipy.spatial import Delaunay, cKDTree
 from surface import averaging, clip, normals
 
 
-def sew(points: np.ndarray, faces: np.ndarray, level: np.ndarray, edge: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def sew(
+    points: np.ndarray, faces: np.ndarray, level: np.ndarray, edge: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Mesh the garment evenly, with a seam along the zero of `level`.
 
     Args:
@@ -42,11 +44,13 @@ def panel(points: np.ndarray, faces: np.ndarray, level: np.ndarray, edge: float)
     flat = disk_map(points, faces, border)
     inner = np.setdiff1d(np.arange(len(points)), border)
     inner = inner[cKDTree(rim).query(points[inner])[0] > 0.7 * edge]
+    # In the disk all of the rim is on the convex hull, so that Delaunay's triangles fill the panel and no more.
     plane = np.concatenate([np.column_stack([np.cos(angle), np.sin(angle)]), flat[inner]])
     start = Delaunay(plane).simplices
     a, b, c = plane[start].transpose(1, 0, 2)
     clockwise = np.linalg.det(np.stack([b - a, c - a], axis=1)) < 0
     start[clockwise] = start[clockwise][:, ::-1]
+    # The library never moves a border.
     return gpytoolbox.remesh_botsch(np.concatenate([rim, points[inner]]), start.astype(np.int32), 20, edge, True)
 
 

@@ -5,15 +5,17 @@ from surface import Skin, averaging, clip, largest_part, normals, push_out
 
 SLEEVE = 0.55  # of the way from the shoulder to the elbow
 HEM_BELOW_HIPS = 0.03  # [m], against the hip joints
-COLLAR_BELOW_NECK = 0.02  # [m] behind, against the neck's first joint; higher, the collar would hit the chin
-COLLAR_RADIUS = 0.105  # [m] of the ball that the collar is cut with
+# The collar is cut with a ball before and above the neck's first joint: lower in front, or it would hit the chin.
+COLLAR_BALL, COLLAR_RADIUS = (0.0, -0.035, 0.045), 0.105  # [m], against that joint
 EASE_TOP, EASE_HEM, EASE_SLEEVE = 0.007, 0.035, 0.020  # [m] off the skin at the shoulders, the hem, in the sleeves
 EASE_ARMPIT = 0.10  # [m] more, before smoothing, where sleeve and side meet
 SMOOTHING = 10  # rounds between two times of keeping off the skin
 TIGHTS_EASE = 0.006  # [m], by which the tights are off the skin already
 
 
-def cut(points: np.ndarray, faces: np.ndarray, arm: np.ndarray, joints: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def cut(
+    points: np.ndarray, faces: np.ndarray, arm: np.ndarray, joints: dict[str, np.ndarray]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Cut the T-shirt out of the tights.
 
     Args:
@@ -28,15 +30,14 @@ def cut(points: np.ndarray, faces: np.ndarray, arm: np.ndarray, joints: dict[str
     cuff = shoulder + SLEEVE * (elbow - shoulder)
     hem = joints["thigh.L"][2] - HEM_BELOW_HIPS
     neck = joints["neck"]
-    # In front the collar is lower than behind, as a ball before the neck's joint cuts it.
-    ball = neck + [0, -0.035, COLLAR_RADIUS - COLLAR_BELOW_NECK - 0.04]
+    ball = neck + COLLAR_BALL
 
     def of_arm(x: np.ndarray, level: np.ndarray, wanted: bool) -> np.ndarray:
         # Only faces of that limb, or the sleeve's plane slices the waist and the hem's the hands.
         return np.where((x[:, 3] > 0.5) == wanted, level, 1.0)
 
     table = np.column_stack([points, arm])
-    for level in (
+    for level in (  # sleeves, hem, neck, collar
         lambda x: of_arm(x, (cuff - x[:, :3]) @ (elbow - shoulder), True),
         lambda x: of_arm(x, x[:, 2] - hem, False),
         lambda x: neck[2] - x[:, 2],
@@ -52,8 +53,10 @@ def mirrored(points: np.ndarray) -> np.ndarray:
     return np.column_stack([np.abs(points[:, 0]), points[:, 1:]])
 
 
-def loosen(points: np.ndarray, faces: np.ndarray, arm: np.ndarray, joints: dict[str, np.ndarray], skin: Skin) -> np.ndarray:
-    """Widen the cut surface: close at the shoulders, loose at the belly, the hem and in the sleeves. Shape (V, 3) [m]."""
+def loosen(
+    points: np.ndarray, faces: np.ndarray, arm: np.ndarray, joints: dict[str, np.ndarray], skin: Skin
+) -> np.ndarray:
+    """Widen what `cut` gave: close at the shoulders, loose at the belly, the hem and in the sleeves. Shape (V, 3) [m]."""
     shoulder, hip = joints["upper_arm.L"], joints["thigh.L"]
     down = np.clip((shoulder[2] - points[:, 2]) / (shoulder[2] - hip[2]), 0, 1)
     out = np.clip((np.abs(points[:, 0]) - shoulder[0] + 0.02) / 0.06, 0, 1)
