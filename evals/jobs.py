@@ -65,7 +65,7 @@ def run_jobs(jobs: dict[tuple, Job], workers: int) -> dict[tuple, Any]:
             while waiting or running:
                 for key in _doomed(waiting, results):
                     results[key] = Failure(waiting.pop(key).label, "not run: what it needs has failed")
-                    board.ended(results[key].label, results[key])
+                    board.left_out()
                 ready = [k for k, job in waiting.items() if all(n in results for n in job.needs)]
                 for key in sorted(ready, key=lambda k: -urgency[k])[: workers - len(running)]:
                     job = waiting.pop(key)
@@ -175,6 +175,11 @@ class _Board:
                 return
             if job in self.bars:
                 self.progress.update(self.bars[job], description=f"{job}: {label}", completed=done, total=total)
+
+    def left_out(self) -> None:
+        """A job will not be run."""
+        self.count += 1
+        self.progress.advance(self.all)
 
     def ended(self, label: str, result: Any) -> None:
         self.count += 1

@@ -11,7 +11,6 @@ from garmentbench.errors import UserError
 from garmentbench.fingerprint import content_hash, fingerprint
 from garmentbench.paths import BODIES, GARMENTS, sequence_path
 from garmentbench.presets import Preset
-from garmentbench.progress import track
 from garmentbench.scene import Scene, load_scene
 from garmentbench.sequence import Needs, Sequence, Template
 from garmentbench.sequence_layout import KIND, REMAKE, SCHEMA
@@ -38,7 +37,7 @@ def make_sequence(scene_name: str, preset: Preset) -> Path:
 def sequence_identity(scene: Scene, preset: Preset) -> str:
     """Hash of all that decides a reference sequence."""
     assets = [GARMENTS / f"{scene.garment}-{preset.name}.npz", *sorted(BODIES.glob(f"*-{preset.body_size}.npz"))]
-    code = fingerprint("garmentbench.simulation", "garmentbench.motion", *(p for p in assets if p.is_file()))
+    code = fingerprint("garmentbench.simulation.simulate", *(p for p in assets if p.is_file()))
     return content_hash({"scene": scene, "preset": preset, "code": code})
 
 
@@ -72,16 +71,11 @@ def _is_made_from(path: Path, identity: str) -> bool:
 
 def _simulated(scene: Scene, preset: Preset) -> Sequence:
     """The reference with its uncertainty and its own interpenetration in its info."""
-    from garmentbench.simulation.simulate import WINDOW, frame_count, measure_uncertainty, simulate
+    from garmentbench.simulation.simulate import measure_uncertainty, simulate
 
-    quiet_warp()
     device = "cuda:0" if has_cuda() else "cpu"
-    steps = frame_count(scene, preset) - 1  # the first frame is given
-    with track(steps, f"simulate {scene.name}") as step:
-        sequence = simulate(scene, preset, step, device)
-    warm_up = steps - min(scene.frames, preset.frame_limit or scene.frames)
-    with track(2 * (warm_up + min(WINDOW, len(sequence))), f"uncertainty of {scene.name}") as step:
-        info = sequence.info | {"uncertainty": measure_uncertainty(scene, preset, sequence, step=step, device=device)}
+    sequence = simulate(scene, preset, device)
+    info = sequence.info | {"uncertainty": measure_uncertainty(scene, preset, sequence, device=device)}
     if sequence.template.needs.body:
         info["interpenetration"] = _own_interpenetration(sequence)
     return replace(sequence, info=info)
