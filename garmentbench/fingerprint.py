@@ -9,7 +9,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-# Modules that carry results about but don't decide them: an edit there keeps what was trained and simulated.
+# Modules that carry results about but don't decide them: an edit there keeps what was trained and simulated. They count
+# where they are named themselves.
 BYSTANDERS = frozenset(
     f"garmentbench.{name}"
     for name in ("atomic", "cli", "commands", "compare", "errors", "fingerprint", "lock", "machine", "paths", "progress",
@@ -66,10 +67,10 @@ def _reached(names: list[str]) -> set[str]:
     reached: set[str] = set()
     while todo:
         name = todo.pop()
-        if name in reached or name.split(".")[0] not in projects or _bystander(name):
+        if name in reached or name.split(".")[0] not in projects:
             continue
         reached.add(name)
-        todo += _imports(name)
+        todo += [found for found in _imports(name) if not _bystander(found)]
     return reached
 
 

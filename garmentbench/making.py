@@ -73,6 +73,7 @@ def _simulated(scene: Scene, preset: Preset) -> Sequence:
     """The reference with its uncertainty and its own interpenetration in its info."""
     from garmentbench.simulation.simulate import measure_uncertainty, simulate
 
+    quiet_warp()
     device = "cuda:0" if has_cuda() else "cpu"
     sequence = simulate(scene, preset, device)
     info = sequence.info | {"uncertainty": measure_uncertainty(scene, preset, sequence, device=device)}

@@ -14,7 +14,7 @@ from garmentbench.atomic import write_text
 from garmentbench.device import device_name, quiet_warp, require_device
 from garmentbench.errors import UsageError, UserError, unknown_name
 from garmentbench.fingerprint import fingerprint
-from garmentbench.making import make_sequence
+from garmentbench.making import make_sequence, sequence_identity
 from garmentbench.method import HISTORY, Method
 from garmentbench.presets import Preset
 from garmentbench.runs import Run, RunStore
@@ -24,14 +24,25 @@ from garmentbench.sequence import Sequence
 if TYPE_CHECKING:
     from garmentbench.rollout import RollOut
 
+# What decides an evaluation besides the method: also the form in which the report finds it.
+EVALUATION = ("garmentbench.rollout", "garmentbench.evaluation", "garmentbench.report.material")
+
 __all__ = ["evaluate", "is_random", "load_method", "make_sequence", "require_device", "train"]
 
 
 def load_method(name: str) -> type[Method]:
-    """The method of that name, or the class at "module:Class". Raises `UsageError` with the nearest name."""
+    """The method of that name, or the class at "module:Class".
+
+    Raises `UsageError`, with the nearest name for an unknown one, and for a class that is no method.
+    """
+    from garmentbench.check_method import missing_parts
     from methods import load_method as load
 
-    return load(name)
+    method = load(name)
+    missing = missing_parts(method)
+    if missing:
+        raise UsageError(f"{name}: is no method: {missing[0]}")
+    return method
 
 
 def is_random(method_name: str) -> bool:
@@ -117,7 +128,8 @@ def evaluate(trained: Run, scene: str, preset: Preset, store: RunStore) -> Run:
         "scene": load_scene(scene).name,
         "preset": preset.name,
         "data": sequence_file.content_hash(path),
-        "code": fingerprint(method.__module__, "garmentbench.rollout", "garmentbench.evaluation"),
+        "reference": sequence_identity(load_scene(scene), preset),  # whose uncertainty stands beside the errors
+        "code": fingerprint(method.__module__, *EVALUATION),
         "device": device_name(),
     }
     with store.open("evaluate", identity) as run:

@@ -73,3 +73,44 @@ class FitInterrupted(Good):
             return cls()
         (run.folder / "checkpoint").write_text("1")
         raise KeyboardInterrupt
+
+
+class Forgets(Good):
+    """Reads back less than it wrote."""
+
+    def __init__(self, offset: float = 0.0) -> None:
+        self.offset = np.float32(offset)
+
+    @classmethod
+    def fit(cls, train, config, run):
+        return cls(0.01)
+
+    def output(self, frame, last):
+        return last + self.offset
+
+
+class HidesState(Good):
+    """Keeps the last frame in itself."""
+
+    def begin(self, template, history):
+        self.last = history.garments[-1]
+        return 3, self.last
+
+    def output(self, frame, last):
+        return self.last
+
+
+class Random(Good):
+    def output(self, frame, last):
+        return last + np.random.default_rng().normal(scale=1e-3, size=last.shape).astype(np.float32)
+
+
+class Writes(Good):
+    def output(self, frame, last):
+        last += np.float32(0.001)
+        return last.copy()
+
+
+class Nameless(Good):
+    name = None
+    step = None

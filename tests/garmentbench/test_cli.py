@@ -97,6 +97,8 @@ def test_help_of_each_command_shows_an_example(name, capsys):
         (["simulate", "sheet-stick-a", "--prset", "smoke"], "unknown option '--prset': did you mean '--preset'?"),
         (["simulate", "sheet-stick-a", "--preset", "smok"], "unknown preset 'smok': did you mean 'smoke'?"),
         (["train", "skining", "--preset", "smoke"], "unknown method 'skining': did you mean 'skinning'?"),
+        (["train", "garmentbench.scene:Scene", "--preset", "smoke"], "garmentbench.scene:Scene: is no method: name: is missing"),
+        (["check-method", "no_such_package:Method"], "no module named 'no_such_package'"),
         (["train", "skinning", "--variant", "ful", "--preset", "smoke"], "did you mean 'full'?"),
         (["train", "skinning", "--device", "gpu"], "unknown device 'gpu'"),
         (["train", "skinning", "--frames", "3", "--preset", "smoke"], "3 frames asked for; wanted more than 3"),
@@ -134,6 +136,12 @@ def test_scenes_lists_and_shows_what_is_left_out(capsys):
 def test_methods_lists_methods_and_variants(capsys):
     code, out, _ = typed(capsys, "methods")
     assert code == 0 and "linear_subspace" in out and "no_virtual_sample" in out
+
+
+def test_check_method_tells_what_to_mend(tiny, capsys):
+    assert typed(capsys, "check-method", "foreign_methods:Good") == (0, "foreign_methods:Good: keeps the contract\n", [])
+    code, out, lines = typed(capsys, "check-method", "foreign_methods:NaN")
+    assert code == 1 and "frame 7 diverged" in out and len(lines) == 1 and "breaks the contract" in lines[0]
 
 
 def damaged(path: Path, how: str) -> None:
