@@ -55,8 +55,9 @@ class Canonical:
         bodies = 0 if template.body is None else len(template.body.rest)
         if len(template.garment.rest) != len(self.rest) or bodies != self.body_size:
             raise UserError(
-                f"this model was trained on a garment of {len(self.rest)} vertices and a body of {self.body_size}; the "
-                f"scene has {len(template.garment.rest)} and {bodies}; use a scene of the same garment, preset and body mesh"
+                f"this model was trained on a garment of {len(self.rest)} vertices and a body of {self.body_size}; "
+                f"the scene has {len(template.garment.rest)} and {bodies}; "
+                "use a scene of the same garment, preset and body mesh"
             )
 
     def save(self, path: Path) -> None:

@@ -28,8 +28,8 @@ class GenerativeModel(nn.Module):
         self.features_block = GeometryFeatures(seeds, options.width)
         self.encoder = Encoder(options.width, size, options.width, options.latent)
         self.decoder = Decoder(size, options.width, options.latent)
-        labels = canonical.seeds.labels
-        parts, part = (np.zeros(1), np.zeros(seeds, np.int64)) if labels is None else np.unique(labels, return_inverse=True)
+        labels = np.zeros(seeds) if canonical.seeds.labels is None else canonical.seeds.labels
+        parts, part = np.unique(labels, return_inverse=True)
         # The logarithm, so that a step of the optimiser is a share of the radius and none can become negative.
         self.log_radii = nn.Parameter(torch.full((len(parts),), float(np.log(FIRST_RADIUS))))
         self._constants(canonical, part)

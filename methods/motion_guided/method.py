@@ -106,8 +106,8 @@ class MotionGuided:
             now = self._body(body.vertices)
             last = to_tensor(state.garments[-1:] - state.body.centre, self.device)
             motion = to_tensor(motion_of(state.garments), self.device)
-            options = self.config.stage2
-            inputs = dynamic_inputs(self.generative, last, motion, state.body, now, options.force_distance, self.touches)
+            distance = self.config.stage2.force_distance
+            inputs = dynamic_inputs(self.generative, last, motion, state.body, now, distance, self.touches)
         with span("predict"):
             code = self.dynamics(inputs)
             displaced = self.generative.displaced(code)

@@ -34,7 +34,7 @@ def train(module: nn.Module, loss: Loss, options: Training, run: FitRun, label: 
         label: Of the progress bar.
     """
     parameters = [p for p in module.parameters() if p.requires_grad]
-    adam = torch.optim.Adam(parameters, lr=options.learning_rate, betas=options.betas, amsgrad=options.amsgrad, fused=True)
+    adam = torch.optim.Adam(parameters, betas=options.betas, amsgrad=options.amsgrad, fused=True)
     first = _resume(run.folder / CHECKPOINT, module, adam)
     saved = time.monotonic()
     with run.track(options.steps, label, done=first) as advance:

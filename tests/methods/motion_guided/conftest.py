@@ -12,7 +12,7 @@ from methods.motion_guided.config import Collision, Config, Model, Sdf, Stage1, 
 
 
 def tube(radius: float, height: float, rows: int, columns: int, closed: bool) -> tuple[np.ndarray, ...]:
-    """Vertices [m], outward faces, and (row, column) / (rows - 1, columns) of each vertex."""
+    """Vertices [m], outward faces, and the UV coordinates of each vertex, in [0, 1]."""
     rim = columns if closed else columns + 1
     row, column = np.divmod(np.arange(rows * rim), rim)
     angle = 2 * np.pi * column / columns
@@ -23,7 +23,8 @@ def tube(radius: float, height: float, rows: int, columns: int, closed: bool) ->
         for c in range(columns):
             a, b = r * rim + c, r * rim + (c + 1) % rim
             faces += [[a, b, b + rim], [a, b + rim, a + rim]]
-    return vertices.astype(np.float32), np.array(faces, np.int32), np.stack([column / columns, row / (rows - 1)], axis=1)
+    uv = np.stack([column / columns, row / (rows - 1)], axis=1)
+    return vertices.astype(np.float32), np.array(faces, np.int32), uv
 
 
 def cylinder() -> Body:
@@ -33,7 +34,8 @@ def cylinder() -> Body:
     n, around = len(wall), np.arange(12)
     after = (around + 1) % 12
     caps = [[n, after[i], around[i]] for i in around] + [[n + 1, 96 + around[i], 96 + after[i]] for i in around]
-    return Body("cylinder", rest, np.concatenate([faces, caps]).astype(np.int32), (rest[:, 2] > 0).astype(np.int8), ("low", "high"))
+    labels = (rest[:, 2] > 0).astype(np.int8)
+    return Body("cylinder", rest, np.concatenate([faces, caps]).astype(np.int32), labels, ("low", "high"))
 
 
 def sway(rest: np.ndarray, time: np.ndarray) -> np.ndarray:

@@ -54,7 +54,9 @@ def test_it_ends_as_soon_as_nothing_penetrates(trained, sequence, pressed):
     assert 0 < residual.steps < 200
 
 
-@pytest.mark.parametrize(("trigger", "threshold", "runs"), [("sum", 0.9, True), ("sum", 1.1, False), ("mean", 0.9, False)])
+@pytest.mark.parametrize(
+    ("trigger", "threshold", "runs"), [("sum", 0.9, True), ("sum", 1.1, False), ("mean", 0.9, False)]
+)
 def test_trigger(trained, sequence, pressed, trigger, threshold, runs):
     garment, directions, body = pressed
     depth = _stage(trained, sequence).planes(garment, body).depths(garment)
