@@ -25,7 +25,8 @@ def written_whole(path: Path) -> Iterator[Path]:
         raise UserError(f"{path}: can't be written ({e.strerror or e}); free some space there or use another disk, "
                         "then run the same command again") from e
     finally:
-        partial.unlink(missing_ok=True)
+        if partial.is_file():
+            partial.unlink()
 
 
 def write_text(path: Path, text: str) -> None:

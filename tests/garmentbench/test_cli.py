@@ -67,12 +67,11 @@ def process(home: Path, *arguments: str, before: str = "") -> subprocess.Popen:
     return subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=env)
 
 
-def test_version_and_speed_of_help():
-    start = time.monotonic()
-    done = subprocess.run([sys.executable, "-m", "garmentbench.cli", "--help"], capture_output=True, text=True, cwd=paths.ROOT)
-    assert done.returncode == 0 and all(name in done.stdout for name in COMMANDS)
-    assert time.monotonic() - start < 2.0  # 0.1 s on an idle machine; torch alone takes longer than this
-    assert main(["--version"]) == 0
+def test_help_lists_all_commands_and_loads_nothing_heavy():
+    code = "import sys\nfrom garmentbench.cli import main\ntry: main(['--help'])\nexcept SystemExit: print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=paths.ROOT, check=True)
+    assert all(name in done.stdout for name in COMMANDS)
+    assert not {"torch", "numpy", "warp", "rerun", "h5py", "matplotlib", "pandas"} & set(done.stdout.split())
 
 
 def test_version(capsys):
