@@ -96,9 +96,9 @@ class Run:
         if self._log is not None:
             self._log.close()
             self._log = None
-        lines = self.metrics()
-        if lines:
-            write_text(self.folder / "metrics.jsonl", "".join(json.dumps(m) + "\n" for m in lines if m["step"] <= step))
+        path = self.folder / "metrics.jsonl"
+        if path.is_file():
+            write_text(path, "".join(json.dumps(m) + "\n" for m in self.metrics() if m["step"] <= step))
 
     def metrics(self) -> list[dict]:
         """The lines of metrics.jsonl; a last line torn by a kill is left out."""

@@ -101,6 +101,14 @@ def test_the_log_is_cut_where_a_resumed_run_repeats_itself(tmp_path):
         assert [(m["step"], m["loss"]) for m in run.metrics()] == [(0, 0), (1, 1), (2, 2), (3, -1)]
 
 
+def test_a_log_that_is_nothing_but_a_torn_line(tmp_path):
+    with RunStore(tmp_path).open("train", IDENTITY) as run:
+        (run.folder / "metrics.jsonl").write_text('{"step": 0, "lo')
+        assert run.metrics() == []
+        run.log(0, loss=1.0)
+        assert run.metrics() == [{"step": 0, "loss": 1.0}]
+
+
 def test_the_second_process_waits_and_finds_the_run_finished(tmp_path):
     folder = tmp_path / run_id("train", IDENTITY)
     with RunStore(tmp_path).open("train", IDENTITY) as run:
