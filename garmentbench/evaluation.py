@@ -69,29 +69,48 @@ def _mean(error: np.ndarray, horizon: int) -> float:
     return float(error[:horizon].mean())
 
 
-def _measures(roll: RollOut, sequence: Sequence) -> dict[str, tuple[float, float | None]]:
-    """Values of the metrics of the whole roll-out that need its shape, each with the reference's own."""
+def _measures(roll: RollOut, sequence: Sequence) -> dict[str, tuple[float, float]]:
+    """Values of the metrics that need the whole roll-out's shape, each with the reference's own."""
     template, frames, garment = sequence.template, slice(roll.start, None), sequence.template.garment
     reference, body = sequence.garment[frames], None if sequence.body is None else sequence.body[frames]
-    predicted = roll.garment[frames] if roll.status == OK else None
-
-    def both(measure: Callable[[np.ndarray], float]) -> tuple[float, float]:
-        return math.nan if predicted is None else measure(predicted), measure(reference)
-
-    values = {
-        "strain_p95": both(lambda x: strain_p95(x, garment.rest, garment.faces)),
-        "jitter": both(lambda x: jitter(x, reference, template.fps)),
-        "liveliness": both(lambda x: liveliness(x, reference, body, garment.rest, garment.faces)),
+    own = {
+        "strain_p95": strain_p95(reference, garment.rest, garment.faces),
+        "jitter": 0.0,
+        "liveliness": 1.0,
     }
     if template.needs.body:
-        faces = template.body.faces
-        values["interpenetration"] = both(lambda x: interpenetration(x, body, faces))
+        own |= _own_penetration(reference, body, template.body.faces, sequence.info)
+        if roll.before_collision is not None:
+            own["interpenetration_before"] = own["interpenetration"]
+    if roll.status != OK:
+        return {name: (math.nan, value) for name, value in own.items()}
+    predicted = roll.garment[frames]
+    found = {
+        "strain_p95": strain_p95(predicted, garment.rest, garment.faces),
+        "jitter": jitter(predicted, reference, template.fps),
+        "liveliness": liveliness(predicted, reference, body, garment.rest, garment.faces),
+    }
+    if template.needs.body:
+        found |= _penetration(predicted, body, template.body.faces)
         if roll.before_collision is not None:
             before = roll.before_collision[frames]
-            before = np.where(np.isfinite(before), before, roll.garment[frames])  # frames that needed no collision stage
-            percent = math.nan if predicted is None else interpenetration(before, body, faces)
-            values["interpenetration_before"] = (percent, values["interpenetration"][1])
-        distances = [None if x is None else signed_distances(x, body, faces) for x in (predicted, reference)]
-        for name, measure in (("interpenetration_strict", interpenetration_strict), ("depth_p95", depth_p95)):
-            values[name] = tuple(math.nan if d is None else measure(d) for d in distances)
-    return values
+            before = np.where(np.isfinite(before), before, predicted)  # a frame may have needed no collision stage
+            found["interpenetration_before"] = interpenetration(before, body, template.body.faces)
+    return {name: (found[name], value) for name, value in own.items()}
+
+
+def _penetration(garment: np.ndarray, body: np.ndarray, faces: np.ndarray) -> dict[str, float]:
+    distances = signed_distances(garment, body, faces)
+    return {
+        "interpenetration": interpenetration(garment, body, faces),
+        "interpenetration_strict": interpenetration_strict(distances),
+        "depth_p95": depth_p95(distances),
+    }
+
+
+def _own_penetration(reference: np.ndarray, body: np.ndarray, faces: np.ndarray, info: dict) -> dict[str, float]:
+    """The reference's; spared where the sequence notes its own and that is without depth."""
+    noted = info.get("interpenetration", {})
+    if noted.get("strict_percent") == 0 and "vertex_percent" in noted:
+        return {"interpenetration": noted["vertex_percent"], "interpenetration_strict": 0.0, "depth_p95": 0.0}
+    return _penetration(reference, body, faces)

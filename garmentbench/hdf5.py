@@ -27,8 +27,7 @@ def create(path: Path, kind: str, schema: int) -> Iterator[h5py.File]:
     """
     image = io.BytesIO()
     with h5py.File(image, "w", libver="v110") as file:  # from 1.10 on the structure carries checksums
-        file.attrs["format"] = f"garmentbench {kind}"
-        file.attrs["schema"] = schema
+        put_attributes(file, format=f"garmentbench {kind}", schema=schema)
         yield file
     with written_whole(path) as partial:
         partial.write_bytes(image.getbuffer())
@@ -69,18 +68,24 @@ def opened(path: Path, kind: str, schema: int, remake: str) -> Iterator[h5py.Fil
                 raise refuse(f"schema {found} is older than schema {schema}, which is read here")
             yield file
     except DAMAGED as e:
-        raise refuse(f"truncated or damaged ({_first_line(e)})") from e
+        raise refuse(f"truncated or damaged ({reason(e)})") from e
+
+
+def put_attributes(holder: h5py.File | h5py.Group, **values: str | int | float) -> None:
+    """Write attributes, texts at fixed length: HDF5 keeps others where no checksum guards them, and where it may hang."""
+    for name, value in values.items():
+        holder.attrs[name] = np.bytes_(value.encode()) if isinstance(value, str) else value
 
 
 def attribute(holder: h5py.File | h5py.Group, name: str, kind: type) -> str | int | float | None:
-    """An attribute; None where it is missing or something else than one value of that kind."""
-    if name not in holder.attrs:
+    """An attribute; None where it is missing or not one value of that kind, as `put_attributes` writes it."""
+    if name not in holder.attrs or holder.attrs.get_id(name).dtype.hasobject:
         return None
     value = holder.attrs[name]
     value = value.item() if isinstance(value, np.generic) else value
-    if kind is float and isinstance(value, int):
-        value = float(value)
-    return value if isinstance(value, kind) else None
+    if kind is str and isinstance(value, bytes):
+        return value.decode(errors="replace")
+    return float(value) if kind is float and isinstance(value, int) else value if isinstance(value, kind) else None
 
 
 def dataset(file: h5py.File, name: str) -> h5py.Dataset | None:
@@ -92,8 +97,8 @@ def dataset(file: h5py.File, name: str) -> h5py.Dataset | None:
     if link is None:
         return None
     found = file[name] if isinstance(link, h5py.HardLink) else None
-    if not isinstance(found, h5py.Dataset) or found.external or found.is_virtual:
-        raise ValueError(f"{name} is not an array in this file")
+    if not isinstance(found, h5py.Dataset) or found.external or found.is_virtual or found.dtype.hasobject:
+        raise ValueError(f"{name} is not an array of numbers in this file")
     size = Path(file.filename).stat().st_size
     bytes_claimed = found.size * found.dtype.itemsize if found.size is not None else 0
     chunk_claimed = int(np.prod(found.chunks)) * found.dtype.itemsize if found.chunks else 0
@@ -102,5 +107,6 @@ def dataset(file: h5py.File, name: str) -> h5py.Dataset | None:
     return found
 
 
-def _first_line(error: Exception) -> str:
+def reason(error: Exception) -> str:
+    """What h5py says, in one line."""
     return str(error).strip("'\"").splitlines()[0] if str(error) else type(error).__name__

@@ -55,8 +55,8 @@ class RollOut:
             if self.before_collision is not None:
                 hdf5.put(file, "before_collision", self.before_collision)
             bad = -1 if self.first_bad_frame is None else self.first_bad_frame
-            file.attrs.update(
-                kind=self.kind, start=self.start, status=self.status, first_bad_frame=bad, message=self.message)
+            hdf5.put_attributes(
+                file, kind=self.kind, start=self.start, status=self.status, first_bad_frame=bad, message=self.message)
 
     @classmethod
     def load(cls, path: Path) -> "RollOut":
@@ -144,7 +144,8 @@ def _checked(output: Any, reference: np.ndarray, limit: float) -> np.ndarray:
     if not np.isfinite(output).all():
         bad = np.flatnonzero(~np.isfinite(output).all(axis=1))
         raise _Bad(DIVERGED, f"{len(bad)} of {len(output)} vertices are not finite, the first is vertex {bad[0]}")
-    error = float(np.linalg.norm(output - reference, axis=1).max())
+    with np.errstate(over="ignore"):  # an infinite error is beyond the limit, too
+        error = float(np.linalg.norm(output - reference, axis=1).max())
     if error > limit:
         raise _Bad(DIVERGED, f"a vertex is {error:.3g} m from the reference, farther than the limit of {limit:.3g} m")
     return output.astype(np.float32)

@@ -99,7 +99,7 @@ def _not_empty(name: str) -> Callable[[_Arrays], list[Problem]]:
 
 def _scale(name: str) -> Callable[[_Arrays], list[Problem]]:
     def check(a: _Arrays) -> list[Problem]:
-        size = float(np.linalg.norm(np.ptp(a[name], axis=0)))
+        size = float(np.linalg.norm(np.ptp(a[name].astype(np.float64), axis=0)))
         if SMALLEST <= size <= LARGEST:
             return []
         unit, factor = ("millimetres", 0.001) if size > 100 * LARGEST else ("centimetres", 0.01)
@@ -201,7 +201,7 @@ def _starts_inside(a: _Arrays) -> list[Problem]:
 
 
 _CHECKS: tuple[tuple[Callable[[_Arrays], list[Problem]], tuple[str, ...]], ...] = (
-    *((_not_empty(n), (n,)) for n in ("garment/rest", "garment/faces", "garment/frames", "body/rest", "body/faces")),
+    *((_not_empty(n), (n,)) for n in ARRAYS if n.endswith(("/rest", "/faces", "/frames"))),
     (_scale("garment/rest"), ("garment/rest",)),
     (_scale("body/rest"), ("body/rest",)),
     (_indices("garment/faces", "garment/rest"), ("garment/faces", "garment/rest")),

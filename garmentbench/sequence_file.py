@@ -27,11 +27,12 @@ def save(sequence: Sequence, path: Path) -> None:
         for name, array in contents.arrays.items():
             hdf5.put(file, name, array)
         info = json.dumps(contents.info)
-        file.attrs.update(units=UNITS, content_hash=contents.hash(), fps=contents.fps, info=info)
-        file["garment"].attrs["name"] = contents.names.garment
+        hdf5.put_attributes(file, units=UNITS, content_hash=contents.hash(), fps=contents.fps, info=info)
+        hdf5.put_attributes(file["garment"], name=contents.names.garment)
         if contents.has_body:
             names = contents.names
-            file["body"].attrs.update(name=names.body, kind=names.kind, part_names=json.dumps(names.part_names))
+            parts = json.dumps(names.part_names)
+            hdf5.put_attributes(file["body"], name=names.body, kind=names.kind, part_names=parts)
 
 
 def load(path: Path, frames: int | None = None) -> Sequence:
@@ -74,9 +75,9 @@ def read(path: Path, frames: int | None = None) -> tuple[Contents, list[Problem]
             try:
                 stored = hdf5.dataset(file, name)
                 if stored is not None:
-                    arrays[name] = stored[:frames] if name.endswith("/frames") and stored.ndim else stored[()]
+                    arrays[name] = np.asarray(stored[:frames] if name.endswith("/frames") and stored.ndim else stored[()])
             except hdf5.DAMAGED as e:
-                problems.append(Problem(name, f"can't be read ({e})", REMAKE))
+                problems.append(Problem(name, f"can't be read ({hdf5.reason(e)})", REMAKE))
         attributes = _Attributes(file)
         contents = attributes.contents(arrays)
     unreadable = {p.where for p in problems}

@@ -30,6 +30,8 @@ def load_method(name: str) -> type:
     if target is None:
         raise unknown_name("method", name, list(known))
     module, _, attribute = target.partition(":")
+    if not module or not attribute:
+        raise UsageError(f"method '{name}': wanted a method's name or \"module:Class\"")
     try:
         return getattr(importlib.import_module(module), attribute)
     except ModuleNotFoundError as e:

@@ -50,6 +50,20 @@ class Skin:
         return (self.weights @ maps.reshape(-1, 12).astype(np.float32)).reshape(-1, 3, 4)
 
 
+class SkinOf:
+    """The skin for a template. It keeps the last one: single steps begin anew at every frame of the same template."""
+
+    def __init__(self, count: int, vertices: np.ndarray | None = None) -> None:
+        """count, vertices: as for `Skin.of`."""
+        self.count, self.vertices = count, vertices
+        self._last: tuple[Template, Skin] | None = None
+
+    def __call__(self, template: Template) -> Skin:
+        if self._last is None or self._last[0] is not template:
+            self._last = template, Skin.of(template, self.count, self.vertices)
+        return self._last[1]
+
+
 def place(maps: np.ndarray, canonical: np.ndarray) -> np.ndarray:
     """Canonical positions [m], shape (V, 3), carried by affine maps, shape (V, 3, 4)."""
     return np.einsum("vab,vb->va", maps[..., :3], canonical) + maps[..., 3]

@@ -33,7 +33,7 @@ class ConstantVelocity(Untrained):
 
     def begin(self, template: Template, history: History) -> State:
         """Take the last two garments back to the canonical pose."""
-        skin = Skin.of(template, self.config.seeds)
+        skin = self.skin_of(template)
         bodies = (None, None) if history.bodies is None else history.bodies[-2:]
         before, last = (lift(skin.blend(b), g) for b, g in zip(bodies, history.garments[-2:]))
         return State(skin, last, last - before)

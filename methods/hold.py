@@ -26,7 +26,7 @@ class Hold(Untrained):
 
     def begin(self, template: Template, history: History) -> State:
         """Take the last garment back to the canonical pose."""
-        skin = Skin.of(template, self.config.seeds)
+        skin = self.skin_of(template)
         last = None if history.bodies is None else history.bodies[-1]
         return State(skin, lift(skin.blend(last), history.garments[-1]))
 

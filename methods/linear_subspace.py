@@ -15,7 +15,7 @@ import numpy as np
 from garmentbench.clock import span
 from garmentbench.method import HISTORY, BodyFrame, FitRun, History
 from garmentbench.sequence import Sequence, Template
-from methods.blend_skinning import Skin, lift, place
+from methods.blend_skinning import Skin, SkinOf, lift, place
 from methods.ridge_dynamics import Subspace, advance, fit_dynamics
 from methods.seed_features import seed_features
 
@@ -43,11 +43,13 @@ class LinearSubspace:
     """Ridge regression of PCA codes on their two predecessors and the seed points."""
 
     name = "linear_subspace"
+    random = False
     Config = Config
 
     def __init__(self, seeds: np.ndarray, garment: Subspace, body: Subspace, dynamics: np.ndarray) -> None:
         """seeds: body vertices, shape (N,). dynamics: as `fit_dynamics` gives it."""
         self.seeds, self.garment, self.body, self.dynamics = seeds, garment, body, dynamics
+        self.skin_of = SkinOf(len(seeds), seeds)
 
     @classmethod
     def fit(cls, train: Sequence, config: Config, run: FitRun) -> "LinearSubspace":
@@ -76,7 +78,7 @@ class LinearSubspace:
 
     def begin(self, template: Template, history: History) -> State:
         """Encode the last two garments."""
-        skin = Skin.of(template, len(self.seeds), self.seeds)
+        skin = self.skin_of(template)
         bodies = [None] * HISTORY if history.bodies is None else history.bodies
         shapes = np.array([_displacement(skin, b, g) for b, g in zip(bodies[-2:], history.garments[-2:])])
         before, last = self.garment.encode(shapes)

@@ -5,6 +5,8 @@ from itertools import product
 
 import numpy as np
 
+from garmentbench.errors import UserError
+
 STRENGTHS = tuple(10.0 ** np.arange(-6, 1))  # of the ridge, relative to the largest variance among the inputs
 _HELD_OUT = 0.25  # of the frames, the last ones
 _TOLERANCE = 1.05  # the strongest ridge whose held-out error is within this factor of the least is taken
@@ -36,7 +38,8 @@ def fit_dynamics(z: np.ndarray, f: np.ndarray) -> np.ndarray:
     """The map from [z_t-1, z_t-2, f_t, 1] to z_t, shape (2 K + Q + 1, K).
 
     How strongly A and B are held small is chosen by a free roll-out over the last quarter of the frames, after a fit to
-    the rest; maps whose dynamics grow (spectral radius of A at least 1) are left out. The map is then fitted to all.
+    the rest; strengths that let the dynamics grow (spectral radius of A at least 1) are left out. The map is then fitted
+    to all. Raises `UserError` where no strength is left.
 
     Args:
         z: Codes, shape (T, K).
@@ -45,9 +48,12 @@ def fit_dynamics(z: np.ndarray, f: np.ndarray) -> np.ndarray:
     cut = int(len(z) * (1 - _HELD_OUT))
     error = {}
     for strengths in product(STRENGTHS, STRENGTHS):
-        dynamics = _ridge(z[:cut], f[:cut], *strengths)
-        if _spectral_radius(dynamics, z.shape[1]) < 1:
-            error[strengths] = np.linalg.norm(_roll_out(dynamics, z, f, cut) - z[cut:], axis=1).mean()
+        part = _ridge(z[:cut], f[:cut], *strengths)
+        whole = _ridge(z, f, *strengths)
+        if max(_spectral_radius(part), _spectral_radius(whole)) < 1:
+            error[strengths] = np.linalg.norm(_roll_out(part, z, f, cut) - z[cut:], axis=1).mean()
+    if not error:
+        raise UserError("linear_subspace: the garment's motion grows without bound; train on a longer or calmer sequence")
     near_best = [s for s, e in error.items() if e <= _TOLERANCE * min(error.values())]
     return _ridge(z, f, *max(near_best, key=lambda s: s[0] * s[1]))
 
@@ -77,8 +83,9 @@ def _roll_out(dynamics: np.ndarray, z: np.ndarray, f: np.ndarray, start: int) ->
     return np.array(codes[2:])
 
 
-def _spectral_radius(dynamics: np.ndarray, count: int) -> float:
+def _spectral_radius(dynamics: np.ndarray) -> float:
     """Of [z_t-1, z_t-2] -> [z_t, z_t-1]."""
+    count = dynamics.shape[1]
     companion = np.zeros((2 * count, 2 * count))
     companion[:, :count] = dynamics[: 2 * count]
     companion[:count, count:] = np.eye(count)

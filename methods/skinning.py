@@ -16,7 +16,7 @@ class Skinning(Untrained):
 
     def begin(self, template: Template, history: History) -> Skin:
         """Find out what carries the garment."""
-        return Skin.of(template, self.config.seeds)
+        return self.skin_of(template)
 
     def step(self, state: Skin, body: BodyFrame) -> tuple[np.ndarray, Skin]:
         """The rest garment on the present pose [m], shape (V, 3)."""

@@ -7,6 +7,7 @@ from typing import ClassVar, Self
 
 from garmentbench.method import FitRun
 from garmentbench.sequence import Sequence
+from methods.blend_skinning import SkinOf
 
 
 @dataclass(frozen=True)
@@ -20,10 +21,12 @@ class Untrained:
     """A method without anything to train, to be given `begin` and `step`."""
 
     name: ClassVar[str]
+    random = False
     Config = Config
 
     def __init__(self, config: Config) -> None:
         self.config = config
+        self.skin_of = SkinOf(config.seeds)
 
     @classmethod
     def fit(cls, train: Sequence, config: Config, run: FitRun) -> Self:

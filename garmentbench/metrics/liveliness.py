@@ -30,8 +30,8 @@ def relative_energy(garment: np.ndarray, near: np.ndarray | None, mass: np.ndarr
 
 def near_displacements(garment: np.ndarray, body: np.ndarray) -> np.ndarray:
     """Displacement over each frame of the body vertex nearest to each garment vertex [m], shape (T - 1, V, 3)."""
-    moved = np.diff(body, axis=0)
-    return np.array([d[nearest_vertices(g, b)[1]] for d, g, b in zip(moved, garment[1:], body[1:])])
+    near = [d[nearest_vertices(g, b)[1]] for d, g, b in zip(np.diff(body, axis=0), garment[1:], body[1:])]
+    return np.array(near, body.dtype).reshape(-1, *garment.shape[1:])
 
 
 def vertex_areas(rest: np.ndarray, faces: np.ndarray) -> np.ndarray:
