@@ -26,6 +26,7 @@ class Job:
         needs: Keys of the jobs whose results it takes.
         arguments: Further arguments.
         cost: Rough seconds, to start what the most work waits for first.
+        after: Keys of jobs that it waits for, however they end.
     """
 
     key: tuple
@@ -34,6 +35,7 @@ class Job:
     needs: tuple[tuple, ...] = ()
     arguments: tuple = ()
     cost: float = 1.0
+    after: tuple[tuple, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -66,7 +68,7 @@ def run_jobs(jobs: dict[tuple, Job], workers: int) -> dict[tuple, Any]:
                 for key in _doomed(waiting, results):
                     results[key] = Failure(waiting.pop(key).label, "not run: what it needs has failed")
                     board.left_out()
-                ready = [k for k, job in waiting.items() if all(n in results for n in job.needs)]
+                ready = [k for k, job in waiting.items() if all(n in results for n in (*job.needs, *job.after))]
                 for key in sorted(ready, key=lambda k: -urgency[k])[: workers - len(running)]:
                     job = waiting.pop(key)
                     inputs = [results[n] for n in job.needs]
@@ -96,7 +98,7 @@ def _urgency(jobs: dict[tuple, Job]) -> dict[tuple, float]:
     """Cost of the longest chain of jobs that starts with each."""
     after: dict[tuple, list[tuple]] = {key: [] for key in jobs}
     for key, job in jobs.items():
-        for need in job.needs:
+        for need in (*job.needs, *job.after):
             after[need].append(key)
     known: dict[tuple, float] = {}
 

@@ -1,7 +1,7 @@
 """From experiments to results.csv and the report: what is missing is computed, what is finished is reused."""
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -91,6 +91,7 @@ def _jobs(experiments: list[Experiment], lines: list[Line], preset: Preset, data
         return jobs
     for scene in {e.train for e in experiments if e.needs}:
         add(Job(("needs", scene), f"what {scene} does not need", left_out, (("sequence", scene),), (preset,)))
+    trainings = {line.trained for line in lines if line.entry is not None}
     for line in lines:
         if line.entry is None:
             continue
@@ -98,7 +99,9 @@ def _jobs(experiments: list[Experiment], lines: list[Line], preset: Preset, data
         name = f"{line.entry.method} {line.entry.label}" + (f" seed {line.seed}" if line.seed else "")
         cost = 600.0 if work.is_random(line.entry.method) else 10.0
         arguments = (line.entry, train, preset, line.seed)
-        add(Job(line.trained, f"train {name} on {train}", _train, (("sequence", train),), arguments, cost))
+        full = replace(line, entry=replace(line.entry, variant="full")).trained  # shares stages with its variants
+        after = (full,) if full != line.trained and full in trainings else ()
+        add(Job(line.trained, f"train {name} on {train}", _train, (("sequence", train),), arguments, cost, after))
         add(
             Job(
                 line.evaluated,
