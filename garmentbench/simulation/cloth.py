@@ -135,9 +135,12 @@ def _physics(material: Material, settings: Settings, dt: float) -> Physics:
     p = Physics()
     p.dt = dt
     p.air_keep = math.exp(-material.air * dt)
-    p.gravity, p.contact_frequency, p.contact_damping = settings.gravity, settings.contact_frequency, settings.contact_damping
-    for name in ("compression", "stretch_damping", "bend_damping", "friction", "thickness"):
-        setattr(p, name, getattr(material, name))
+    for source, names in (
+        (material, ("compression", "stretch_damping", "bend_damping", "friction", "thickness")),
+        (settings, ("gravity", "contact_frequency", "contact_damping", "contact_depth")),
+    ):
+        for name in names:
+            setattr(p, name, getattr(source, name))
     return p
 
 

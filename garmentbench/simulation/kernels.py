@@ -53,6 +53,7 @@ class Physics:
     thickness: float  # [m]
     contact_frequency: float  # [rad/s]
     contact_damping: float
+    contact_depth: float  # [m]
 
 
 @wp.func
@@ -89,7 +90,7 @@ def collide(v: wp.vec3, x: wp.vec3, point: wp.vec3, velocity: wp.vec3, n: wp.vec
     k = q * q + 2.0 * p.contact_damping * q
     r = v - velocity
     rn = wp.dot(r, n)
-    penetration = p.thickness - wp.dot(x - point, n)
+    penetration = wp.min(p.thickness - wp.dot(x - point, n), p.contact_depth)
     push = wp.max(0.0, (p.contact_frequency * q * penetration - k * rn) / (1.0 + k))
     tangent = r - rn * n
     slide = wp.max(0.0, 1.0 - p.friction * push / wp.max(wp.length(tangent), 1.0e-9))

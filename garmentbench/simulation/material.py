@@ -52,6 +52,8 @@ class Settings:
         mass_floor: No particle is lighter than this times the median particle [1].
         contact_frequency: Angular frequency of the compliant contact [rad/s].
         contact_damping: Its damping ratio [1].
+        contact_depth: Penetration beyond which contact pushes no harder [m]. Between two skins that touch (armpits) a
+            vertex has nowhere to go: pushed without bound it shoots to and fro, and is found deeper inside.
         queries: Nearest-point queries of the body a frame.
         step_margin: The time step over its stability bound [1].
         substep_factor: Times as many substeps as the bound asks for (2 in a doubling study).
@@ -65,6 +67,7 @@ class Settings:
     mass_floor: float = 0.3
     contact_frequency: float = 1500.0
     contact_damping: float = 0.5
+    contact_depth: float = 1e-3
     queries: int = 8
     step_margin: float = 0.9
     substep_factor: int = 1
