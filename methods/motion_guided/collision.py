@@ -75,7 +75,7 @@ class CollisionStage:
         Args:
             garment: The prediction g [m], shape (V, 3), finite.
             directions: B, shape (V, 3, 3).
-            body: Body vertices [m], shape (B, 3), relative to the same centre.
+            body: Body vertices [m], shape (B, 3), in the same coordinates.
             residual: Where to start (option `carry`).
         """
         planes = self.planes(garment, body)

@@ -31,6 +31,9 @@ class Model:
     seed_rotation: str = "frame"
     """"frame": the seed's full tangent frame turns it (the paper's "known rotation"); "normal": the smallest rotation
     that carries the canonical normal to the present one (the code), which loses twist."""
+    axes: str = "world"
+    """Axes of the inputs: the "world"'s (paper and code); ours: the "body"'s, as its seeds lie at the moment, or the
+    world's turned by the body's "heading", so that such a turn changes nothing."""
     output_scale: float = 1.0
     """Displacement [m] that an output of 1 of R means. Ours: 0.03, so that outputs are of order 1."""
     centred_descriptor: bool = False

@@ -18,7 +18,7 @@ FIRST_RADIUS = 0.05  # [m]
 class GenerativeModel(nn.Module):
     """A regularised autoencoder of garment geometry relative to the body.
 
-    Positions of a frame, of garment and seeds alike, are relative to one centre (see `frames`).
+    Positions of a frame, of garment and seeds alike, are in the frame's coordinates (see `frames`).
     """
 
     def __init__(self, canonical: Canonical, options: Model) -> None:
@@ -91,7 +91,7 @@ class GenerativeModel(nn.Module):
         return seed_transforms(rotations, self.canonical_seeds, seeds)
 
     def pose(self, displaced: Tensor, seeds: Tensor, rotations: Tensor) -> Tensor:
-        """Posed garment [m], shape (batch, V, 3), relative to the seeds' centre (eq. 1)."""
+        """Posed garment [m], shape (batch, V, 3), in the frame's coordinates (eq. 1)."""
         return skin(displaced, self.weights(displaced), self.transforms(seeds, rotations))
 
     def directions(self, displaced: Tensor, seeds: Tensor, rotations: Tensor) -> Tensor:

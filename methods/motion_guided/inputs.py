@@ -7,7 +7,7 @@ import torch
 from torch import Tensor
 
 from methods.motion_guided.descriptor import force_strength
-from methods.motion_guided.frames import BodyFrames, to_tensor
+from methods.motion_guided.frames import BodyFrames
 from methods.motion_guided.generative import GenerativeModel
 
 
@@ -38,53 +38,55 @@ class Inputs:
         return cls(*(None if column[0] is None else torch.cat(column) for column in columns))
 
 
-def motion_of(garments: np.ndarray) -> np.ndarray:
-    """Velocity x_t - x_{t-1} and acceleration v_t - v_{t-1} [m a frame], shape (T - 2, V, 6), of frames 2 on.
+@dataclass(frozen=True)
+class Past:
+    """The garment before frames t, as tensors.
 
-    No division by the time step. `garments`: world positions [m], shape (T, V, 3).
+    Attributes:
+        garment: g_{t-1} in the coordinates of frame t - 1 [m], shape (batch, V, 3).
+        carried: g_{t-1} in the coordinates of frame t [m], shape (batch, V, 3).
+        motion: Velocity x_{t-1} - x_{t-2} and acceleration v_{t-1} - v_{t-2} in the axes of frame t - 1 [m a frame],
+            shape (batch, V, 6). No division by the time step.
     """
-    velocity = np.diff(garments, axis=0)
-    return np.concatenate([velocity[1:], np.diff(velocity, axis=0)], axis=-1)
+
+    garment: Tensor
+    carried: Tensor
+    motion: Tensor
+
+    def at(self, chosen: Tensor) -> "Past":
+        """Some of the frames, by index."""
+        return Past(*(x[chosen] for x in vars(self).values()))
 
 
-def force_map(
-    model: GenerativeModel, garment: Tensor, before: BodyFrames, now: BodyFrames, distance_to: str
-) -> Tensor:
-    """Map of the interaction force's size, shape (batch, N, S, S).
+def past_of(garments: np.ndarray, before: BodyFrames, now: BodyFrames) -> Past:
+    """What is before frames t.
 
     Args:
-        model: For its UV map.
-        garment: g_{t-1} relative to the centre of `before` [m], shape (batch, V, 3).
-        before: The body at t - 1.
-        now: The body at t.
-        distance_to: The option `Stage2.force_distance`.
+        garments: World positions from three frames before the first t to one before the last [m], shape (T + 2, V, 3).
+        before: The body in frames t - 1.
+        now: The body in frames t.
     """
-    moved = to_tensor(now.centre - before.centre, garment.device)
-    previous = before.seeds - moved if distance_to == "previous" else None
-    return model.to_map(force_strength(garment - moved, now.seeds, now.normals, previous))
+    velocity = np.diff(garments, axis=0)
+    motion = torch.cat([before.turned(velocity[1:]), before.turned(np.diff(velocity, axis=0))], dim=-1)
+    return Past(before.local(garments[2:]), now.local(garments[2:]), motion)
 
 
 @torch.no_grad()
 def dynamic_inputs(
-    model: GenerativeModel,
-    garment: Tensor,
-    motion: Tensor,
-    before: BodyFrames,
-    now: BodyFrames,
-    force_distance: str,
-    touches: bool,
+    model: GenerativeModel, past: Past, before: BodyFrames, now: BodyFrames, force_distance: str | None
 ) -> Inputs:
     """Inputs at frames t.
 
     Args:
         model: The trained generative model.
-        garment: g_{t-1} relative to the centre of `before` [m], shape (batch, V, 3).
-        motion: Velocity and acceleration at t - 1 [m a frame], shape (batch, V, 6).
+        past: The garment before.
         before: The body at t - 1.
         now: The body at t.
-        force_distance: The option `Stage2.force_distance`.
-        touches: There is something to touch.
+        force_distance: The option `Stage2.force_distance`; None where there is nothing to touch.
     """
-    features = model.features(garment, before.seeds)
-    strength = force_map(model, garment, before, now, force_distance) if touches else None
-    return Inputs(features, model.to_map(motion), strength, now.normals if touches else None)
+    features, motion = model.features(past.garment, before.seeds), model.to_map(past.motion)
+    if force_distance is None:
+        return Inputs(features, motion, None, None)
+    previous = now.local(before.world(before.seeds)) if force_distance == "previous" else None
+    strength = force_strength(past.carried, now.seeds, now.normals, previous)
+    return Inputs(features, motion, model.to_map(strength), now.normals)

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from torch import Tensor
 
 from garmentbench.atomic import write_text
 from garmentbench.clock import span
@@ -16,9 +15,9 @@ from methods.motion_guided.canonical import Canonical
 from methods.motion_guided.collision import CollisionStage, Residual
 from methods.motion_guided.config import VARIANTS, Config, config_for, config_from
 from methods.motion_guided.dynamics import DynamicEncoder
-from methods.motion_guided.frames import BodyFrames, body_frames, to_tensor
+from methods.motion_guided.frames import BodyFrames, body_frames
 from methods.motion_guided.generative import GenerativeModel
-from methods.motion_guided.inputs import dynamic_inputs, motion_of
+from methods.motion_guided.inputs import dynamic_inputs, past_of
 from methods.motion_guided.stages import train_stages
 from methods.motion_guided.training import load, save
 
@@ -104,31 +103,27 @@ class MotionGuided:
         torch.set_flush_denormal(True)
         with span("prepare"):
             now = self._body(body.vertices)
-            last = to_tensor(state.garments[-1:] - state.body.centre, self.device)
-            motion = to_tensor(motion_of(state.garments), self.device)
-            distance = self.config.stage2.force_distance
-            inputs = dynamic_inputs(self.generative, last, motion, state.body, now, distance, self.touches)
+            past = past_of(state.garments, state.body, now)
+            force_distance = self.config.stage2.force_distance if self.touches else None
+            inputs = dynamic_inputs(self.generative, past, state.body, now, force_distance)
         with span("predict"):
             code = self.dynamics(inputs)
             displaced = self.generative.displaced(code)
             posed = self.generative.pose(displaced, now.seeds, now.rotations)
-            garment = _world(posed, now)
+            garment = now.world(posed)[0]
         before, residual = (None if state.collision is None else garment), state.residual
         if state.collision is not None and np.isfinite(garment).all():
             with span("collide"):
                 directions = self.generative.directions(displaced, now.seeds, now.rotations)
-                relative = body.vertices - now.centre[0]
-                posed, residual = state.collision.resolve(posed[0], directions[0], relative, residual)
-                garment = _world(posed[None], now)
+                obstacle = now.local(body.vertices[None])[0].cpu().numpy()
+                posed, residual = state.collision.resolve(posed[0], directions[0], obstacle, residual)
+                garment = now.world(posed[None])[0]
         garments = np.concatenate([state.garments[1:], garment[None]])
         return garment, State(garments, now, before, state.collision, residual)
 
     def _body(self, vertices: np.ndarray) -> BodyFrames:
-        return body_frames(vertices[None], self.canonical.seeds, self.config.model.seed_rotation, self.device)
-
-
-def _world(posed: Tensor, now: BodyFrames) -> np.ndarray:
-    return (posed.cpu().numpy() + now.centre)[0].astype(np.float32)
+        options = self.config.model
+        return body_frames(vertices[None], self.canonical.seeds, options.seed_rotation, options.axes, self.device)
 
 
 def _device() -> torch.device:

@@ -9,7 +9,7 @@ from garmentbench.method import FitRun
 from garmentbench.sequence import Sequence
 from methods.motion_guided.canonical import Canonical
 from methods.motion_guided.config import Model, Stage1
-from methods.motion_guided.frames import BodyFrames, body_frames, to_tensor
+from methods.motion_guided.frames import BodyFrames, body_frames
 from methods.motion_guided.generative import GenerativeModel
 from methods.motion_guided.losses import edge_deviation, latent_regulariser, reconstruction, sdf_violation
 from methods.motion_guided.pose_noise import PoseNoise
@@ -19,7 +19,7 @@ from methods.motion_guided.training import batch_at, generator, train
 
 @dataclass(frozen=True)
 class TrainingFrames:
-    """The training sequence as tensors. `garments`: relative to `body.centre` [m], shape (T, V, 3)."""
+    """The training sequence as tensors. `garments`: in the coordinates of `body` [m], shape (T, V, 3)."""
 
     garments: Tensor
     body: BodyFrames
@@ -32,8 +32,8 @@ def training_frames(
     sequence: Sequence, canonical: Canonical, options: Model, device: torch.device
 ) -> TrainingFrames:
     """Garment and seeds of every frame of a sequence."""
-    body = body_frames(sequence.body, canonical.seeds, options.seed_rotation, device)
-    return TrainingFrames(to_tensor(sequence.garment - body.centre, device), body)
+    body = body_frames(sequence.body, canonical.seeds, options.seed_rotation, options.axes, device)
+    return TrainingFrames(body.local(sequence.garment), body)
 
 
 def fit_stage1(

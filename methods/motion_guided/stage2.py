@@ -9,9 +9,8 @@ from torch import Tensor
 from garmentbench.method import FitRun
 from methods.motion_guided.config import Model, Stage2
 from methods.motion_guided.dynamics import DynamicEncoder
-from methods.motion_guided.frames import to_tensor
 from methods.motion_guided.generative import GenerativeModel
-from methods.motion_guided.inputs import Inputs, dynamic_inputs, motion_of
+from methods.motion_guided.inputs import Inputs, Past, dynamic_inputs, past_of
 from methods.motion_guided.losses import dynamic_pair, latent_regulariser
 from methods.motion_guided.pose_noise import PoseNoise
 from methods.motion_guided.stage1 import TrainingFrames
@@ -27,13 +26,13 @@ class Teacher:
 
     Attributes:
         frames: Training frames.
-        motion: Velocity and acceleration of frames 2 on [m a frame], shape (T - 2, V, 6).
+        past: What is before each frame of `FIRST` on.
         codes: Z* = E^Sta of the true garments, shape (T, latent).
         inputs: Of frames `FIRST` on, where they are cached (option `cache_inputs`).
     """
 
     frames: TrainingFrames
-    motion: Tensor
+    past: Past
     codes: Tensor
     inputs: Inputs | None
 
@@ -43,24 +42,23 @@ def teacher(
     model: GenerativeModel, frames: TrainingFrames, garments: np.ndarray, options: Stage2, touches: bool
 ) -> Teacher:
     """What stage 2 learns from. `garments`: true world positions [m], shape (T, V, 3)."""
-    motion = to_tensor(motion_of(garments), frames.garments.device)
+    predicted = torch.arange(FIRST, len(frames))
+    past = past_of(garments[:-1], frames.body.at(predicted - 1), frames.body.at(predicted))
     chunks = torch.arange(len(frames)).split(CHUNK)
-    codes = torch.cat([model.encode(frames.garments[c], frames.body.at(c).seeds) for c in chunks])
-    plain = Teacher(frames, motion, codes, None)
+    codes = torch.cat([model.encode(frames.garments[c], frames.body.seeds[c]) for c in chunks])
+    plain = Teacher(frames, past, codes, None)
     if not options.cache_inputs:
         return plain
-    predicted = torch.arange(FIRST, len(frames)).split(CHUNK)
-    cached = Inputs.joined([inputs_at(model, plain, c, options, touches) for c in predicted])
-    return Teacher(frames, motion, codes, cached)
+    cached = Inputs.joined([inputs_at(model, plain, c, options, touches) for c in predicted.split(CHUNK)])
+    return Teacher(frames, past, codes, cached)
 
 
 def inputs_at(model: GenerativeModel, teacher: Teacher, t: Tensor, options: Stage2, touches: bool) -> Inputs:
     """Teacher-forced inputs at frames `t` (of `FIRST` on), shape (batch,)."""
     if teacher.inputs is not None:
         return teacher.inputs.at(t - FIRST)
-    body = teacher.frames.body
-    garment, motion = teacher.frames.garments[t - 1], teacher.motion[t - 3]
-    return dynamic_inputs(model, garment, motion, body.at(t - 1), body.at(t), options.force_distance, touches)
+    body, distance = teacher.frames.body, options.force_distance if touches else None
+    return dynamic_inputs(model, teacher.past.at(t - FIRST), body.at(t - 1), body.at(t), distance)
 
 
 def fit_stage2(

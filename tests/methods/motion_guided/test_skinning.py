@@ -4,7 +4,7 @@ import torch
 from scipy.spatial.transform import Rotation
 
 from garmentbench.geometry.seeds import select_seeds
-from methods.motion_guided.frames import body_frames
+from methods.motion_guided.frames import body_frames, frame_axes
 from methods.motion_guided.skinning import blend_weights, blended_rotations, seed_transforms, skin
 
 
@@ -14,17 +14,33 @@ def points() -> tuple[torch.Tensor, ...]:
     return torch.randn(1, 9, 3).double(), torch.randn(4, 3).double(), torch.rand(4).double() + 0.5
 
 
-def test_a_rigid_motion_of_the_whole_body_moves_the_garment_rigidly(sequence):
+@pytest.mark.parametrize("axes", ["world", "heading", "body"])
+def test_a_rigid_motion_of_the_whole_body_moves_the_garment_rigidly(sequence, axes):
     seeds = select_seeds(sequence.template, 12)
     turn, shift = Rotation.from_rotvec([0.3, -0.5, 1.2]).as_matrix(), np.array([3.0, -2.0, 0.5])
     moved = (sequence.template.body.rest.astype(float) @ turn.T + shift)[None]
-    frames = body_frames(moved, seeds, "frame", torch.device("cpu"))
+    frames = body_frames(moved, seeds, "frame", axes, torch.device("cpu"))
     garment = torch.from_numpy(sequence.template.garment.rest)[None]
     canonical = torch.from_numpy(seeds.rest)
     weights = blend_weights(garment, canonical, torch.full((12,), 0.05))
     posed = skin(garment, weights, seed_transforms(frames.rotations, canonical, frames.seeds))
-    expected = garment[0].numpy() @ turn.T + shift - frames.centre[0]
-    np.testing.assert_allclose(posed[0].numpy(), expected, atol=2e-6)
+    np.testing.assert_allclose(frames.world(posed)[0], garment[0].numpy() @ turn.T + shift, atol=2e-6)
+
+
+def test_axes_of_the_body_turn_with_it_and_those_of_the_heading_about_the_vertical(sequence):
+    seeds = select_seeds(sequence.template, 12)
+    upright, lean = Rotation.from_euler("z", 0.8).as_matrix(), Rotation.from_euler("x", 0.3).as_matrix()
+    canonical = seeds.rest - seeds.rest.mean(axis=0)
+    np.testing.assert_allclose(frame_axes(canonical @ upright.T[None], seeds.rest, "heading")[0], upright, atol=1e-6)
+    turned = canonical @ (upright @ lean).T[None]
+    np.testing.assert_allclose(frame_axes(turned, seeds.rest, "body")[0], upright @ lean, atol=1e-6)
+    np.testing.assert_array_equal(frame_axes(turned, seeds.rest, "world")[0], np.eye(3))
+
+
+def test_coordinates_go_to_a_frame_and_back(sequence):
+    frames = body_frames(sequence.body[:3], select_seeds(sequence.template, 12), "frame", "body", torch.device("cpu"))
+    points = sequence.garment[:3]
+    np.testing.assert_allclose(frames.world(frames.local(points)), points, atol=1e-6)
 
 
 def test_seeds_at_rest_leave_the_garment_where_it_is(points):
