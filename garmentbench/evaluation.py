@@ -109,8 +109,9 @@ def _penetration(garment: np.ndarray, body: np.ndarray, faces: np.ndarray) -> di
 
 
 def _own_penetration(reference: np.ndarray, body: np.ndarray, faces: np.ndarray, info: dict) -> dict[str, float]:
-    """The reference's; spared where the sequence notes its own and that is without depth."""
+    """The reference's own: as the sequence notes it, or else measured."""
     noted = info.get("interpenetration", {})
-    if noted.get("strict_percent") == 0 and "vertex_percent" in noted:
-        return {"interpenetration": noted["vertex_percent"], "interpenetration_strict": 0.0, "depth_p95": 0.0}
+    names = {"interpenetration": "vertex_percent", "interpenetration_strict": "strict_percent", "depth_p95": "depth_p95_mm"}
+    if all(key in noted for key in names.values()):
+        return {name: noted[key] for name, key in names.items()}
     return _penetration(reference, body, faces)

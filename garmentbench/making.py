@@ -84,10 +84,12 @@ def _simulated(scene: Scene, preset: Preset) -> Sequence:
 
 def _own_interpenetration(sequence: Sequence) -> dict[str, float]:
     from garmentbench.metrics.interpenetration import interpenetration
-    from garmentbench.metrics.interpenetration_strict import interpenetration_strict, signed_distances
+    from garmentbench.metrics.interpenetration_strict import depth_p95, interpenetration_strict, signed_distances
 
     arrays = sequence.garment, sequence.body, sequence.template.body.faces
+    distances = signed_distances(*arrays)
     return {
         "vertex_percent": interpenetration(*arrays),
-        "strict_percent": interpenetration_strict(signed_distances(*arrays)),
+        "strict_percent": interpenetration_strict(distances),
+        "depth_p95_mm": depth_p95(distances),
     }

@@ -32,8 +32,8 @@ class RollOut:
         before_collision: The same before the method's collision stage, NaN where there is none; None if it has no such
             stage.
         ms: Milliseconds of each frame's prepare, predict and collide, shape (T, 3); NaN where nothing was timed.
-        status: "ok", "diverged" (not finite, or further from the reference than the body is high), or "failed" (raised,
-            or returned something else than garment vertices).
+        status: "ok", "diverged" (not finite, or a vertex farther from the reference than the body is high), or "failed"
+            (raised, or returned something else than garment vertices).
         first_bad_frame: The frame at which it diverged or failed; None where it did not.
         message: What happened there; empty where all is well.
     """
@@ -93,7 +93,7 @@ def _run(kind: str, method: Method, sequence: Sequence, progress: Callable[[], N
     garment = np.full_like(sequence.garment, np.nan)
     garment[:HISTORY] = sequence.garment[:HISTORY]
     before, ms = np.full_like(garment, np.nan), np.full((len(sequence), len(PARTS)), np.nan)
-    limit = _height(sequence.template)
+    limit = _limit(sequence.template)
     ending: tuple[str, int | None, str] = (OK, None, "")
     frame, state = HISTORY, None
     _warm_up(method, sequence)
@@ -151,7 +151,9 @@ def _checked(output: Any, reference: np.ndarray, limit: float) -> np.ndarray:
     return output.astype(np.float32)
 
 
-def _height(template: Template) -> float:
-    """Beyond this error [m] a prediction has diverged: the size of the body, or of the garment where there is none."""
-    rest = template.garment.rest if template.body is None else template.body.rest
-    return float(np.ptp(rest, axis=0).max())
+def _limit(template: Template) -> float:
+    """Beyond this error [m] a prediction has diverged: the height of a human body; where there is none, twice the
+    garment's size, since a sheet that stands up instead of hanging down is wrong but whole."""
+    if template.needs.body:
+        return float(np.ptp(template.body.rest[:, 2]))
+    return 2 * float(np.linalg.norm(np.ptp(template.garment.rest, axis=0)))

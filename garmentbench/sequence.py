@@ -102,7 +102,7 @@ class Sequence:
         body: Body positions [m], shape (T, B, 3); None where there is no body.
         info: Names and provenance, plain JSON values: scene, split, motion, preset, and where simulated `simulation`
             (settings, substeps, strain, ms_per_frame), `uncertainty` {"doubling_cm", "perturbed_cm", "cm", "frames"},
-            `interpenetration` {"vertex_percent", "strict_percent"} (absent without a human body).
+            `interpenetration` {"vertex_percent", "strict_percent", "depth_p95_mm"} (absent without a human body).
     """
 
     template: Template

@@ -128,6 +128,6 @@ def test_the_reference_own_penetration_is_measured_or_taken_from_the_sequence():
     for metric in BODY_METRICS:
         row = rows[metric, 20]
         assert row["reference_value"] == row["value"] > 0
-    sequence.info["interpenetration"] = {"vertex_percent": 7.0, "strict_percent": 0.0}
+    sequence.info["interpenetration"] = {"vertex_percent": 7.0, "strict_percent": 2.0, "depth_p95_mm": 1.5}
     rows = by_name(evaluate(shifted(sequence, 0.0), None, sequence))
-    assert [rows[m, 20]["reference_value"] for m in ("interpenetration", "interpenetration_strict", "depth_p95")] == [7, 0, 0]
+    assert [rows[m, 20]["reference_value"] for m in ("interpenetration", "interpenetration_strict", "depth_p95")] == [7, 2, 1.5]

@@ -109,6 +109,15 @@ def test_an_error_within_the_body_height_is_an_error_not_a_divergence(sequence):
     assert roll.status == "diverged"
 
 
+@pytest.mark.parametrize("kind", ["object", None])
+def test_without_a_human_body_the_limit_is_twice_the_garment_size(kind):
+    sequence = tiny_sequence(FRAMES, kind)
+    size = float(np.linalg.norm(np.ptp(sequence.template.garment.rest, axis=0)))
+    nearly, beyond = (at_bad_frame(lambda g, k=k: g + np.float32([0, 0, k * size])) for k in (1.8, 2.2))
+    assert roll_out(nearly, sequence).status == "ok"
+    assert roll_out(beyond, sequence).status == "diverged"
+
+
 def test_a_method_that_can_not_begin_has_failed(sequence):
     class NoBegin(Last):
         def begin(self, template, history):
