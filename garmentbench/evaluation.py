@@ -30,10 +30,11 @@ def evaluate(roll: RollOut, one: RollOut | None, sequence: Sequence) -> list[dic
         uncertainty [cm] (of l2's, or None), status and first_bad_frame (of the roll-out).
     """
     error = frame_l2(roll.garment, sequence.garment)[roll.start :]
-    rows = [_row(roll, "rollout_l2", h, _mean(error, h), None, sequence.uncertainty_cm) for h in _horizons(sequence, roll)]
+    doubt = sequence.uncertainty_cm
+    rows = [_row(roll, "rollout_l2", h, _mean(error, h), None, doubt) for h in _horizons(sequence, roll)]
     if one is not None:
         value = _mean(frame_l2(one.garment, sequence.garment)[one.start :], len(sequence))
-        rows.append(_row(one, "one_step_l2", 1, value, None, sequence.uncertainty_cm))
+        rows.append(_row(one, "one_step_l2", 1, value, None, doubt))
     whole = len(sequence)
     rows.append(_row(roll, "stable_frames", whole, float(stable_frames(error))))
     for name, (value, reference) in _measures(roll, sequence).items():
@@ -45,7 +46,12 @@ def evaluate(roll: RollOut, one: RollOut | None, sequence: Sequence) -> list[dic
 
 
 def _row(
-    roll: RollOut, metric: str, horizon: int, value: float, reference: float | None = None, uncertainty: float | None = None
+    roll: RollOut,
+    metric: str,
+    horizon: int,
+    value: float,
+    reference: float | None = None,
+    uncertainty: float | None = None,
 ) -> dict:
     return {
         "metric": metric,
@@ -111,7 +117,8 @@ def _penetration(garment: np.ndarray, body: np.ndarray, faces: np.ndarray) -> di
 def _own_penetration(reference: np.ndarray, body: np.ndarray, faces: np.ndarray, info: dict) -> dict[str, float]:
     """The reference's own: as the sequence notes it, or else measured."""
     noted = info.get("interpenetration", {})
-    names = {"interpenetration": "vertex_percent", "interpenetration_strict": "strict_percent", "depth_p95": "depth_p95_mm"}
-    if all(key in noted for key in names.values()):
-        return {name: noted[key] for name, key in names.items()}
+    names = ("interpenetration", "interpenetration_strict", "depth_p95")
+    keys = ("vertex_percent", "strict_percent", "depth_p95_mm")
+    if all(key in noted for key in keys):
+        return {name: noted[key] for name, key in zip(names, keys)}
     return _penetration(reference, body, faces)

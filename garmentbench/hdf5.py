@@ -34,7 +34,7 @@ def create(path: Path, kind: str, schema: int) -> Iterator[h5py.File]:
 
 
 def put(file: h5py.File, name: str, array: np.ndarray) -> None:
-    """Write an array: per-frame arrays (three axes) chunked by frames and compressed without loss, others as they are."""
+    """Write an array: per-frame arrays (three axes) chunked by frames and compressed without loss, others plain."""
     if array.ndim < 3 or array.size == 0:
         file.create_dataset(name, data=array)
         return
@@ -46,7 +46,8 @@ def put(file: h5py.File, name: str, array: np.ndarray) -> None:
 def opened(path: Path, kind: str, schema: int, remake: str) -> Iterator[h5py.File]:
     """An existing file of a kind, to be read with `attribute` and `dataset`.
 
-    `remake` says how the user gets a good one. Raises `ProblemError` for a missing, foreign, damaged, older or newer file.
+    `remake` says how the user gets a good one. Raises `ProblemError` for a missing, foreign, damaged, older or
+    newer file.
     """
     def refuse(what: str, do: str = remake) -> ProblemError:
         return ProblemError(Problem(str(path), what, do))
@@ -72,7 +73,7 @@ def opened(path: Path, kind: str, schema: int, remake: str) -> Iterator[h5py.Fil
 
 
 def put_attributes(holder: h5py.File | h5py.Group, **values: str | int | float) -> None:
-    """Write attributes, texts at fixed length: HDF5 keeps others where no checksum guards them, and where it may hang."""
+    """Write attributes. Texts have fixed length: HDF5 keeps others where no checksum guards them, and may hang there."""
     for name, value in values.items():
         holder.attrs[name] = np.bytes_(value.encode()) if isinstance(value, str) else value
 

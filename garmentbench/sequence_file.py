@@ -8,10 +8,11 @@ import h5py
 import numpy as np
 
 from garmentbench import hdf5
+from garmentbench.array_checks import FIRST_FRAME
 from garmentbench.errors import UserError
 from garmentbench.problem import Problem, errors
 from garmentbench.sequence import Sequence
-from garmentbench.sequence_checks import FIRST_FRAME, hash_problems, shape_problems, value_problems
+from garmentbench.sequence_checks import hash_problems, shape_problems, value_problems
 from garmentbench.sequence_layout import ARRAYS, KIND, REMAKE, SCHEMA, UNITS, Contents, Names, contents_of, sequence_of
 
 
@@ -38,8 +39,8 @@ def save(sequence: Sequence, path: Path) -> None:
 def load(path: Path, frames: int | None = None) -> Sequence:
     """Read a sequence, or only its first so many `frames` (the content hash is compared only when all is read).
 
-    Raises `UserError`, one line, for a file that is missing, foreign, damaged, of another schema, or holds what can't be
-    used. Warns of a garment that begins inside the body. `garmentbench.check` tells all that is wrong.
+    Raises `UserError`, one line, for a file that is missing, foreign, damaged, of another schema, or that holds what
+    can't be used. Warns of a garment that begins inside the body. `garmentbench.check` tells all that is wrong.
     """
     contents, problems = read(path, frames)
     if not problems:
@@ -75,7 +76,8 @@ def read(path: Path, frames: int | None = None) -> tuple[Contents, list[Problem]
             try:
                 stored = hdf5.dataset(file, name)
                 if stored is not None:
-                    arrays[name] = np.asarray(stored[:frames] if name.endswith("/frames") and stored.ndim else stored[()])
+                    part = slice(frames) if name.endswith("/frames") and stored.ndim else ()
+                    arrays[name] = np.asarray(stored[part])
             except hdf5.DAMAGED as e:
                 problems.append(Problem(name, f"can't be read ({hdf5.reason(e)})", REMAKE))
         attributes = _Attributes(file)

@@ -1,4 +1,4 @@
-"""A tiny sequence made by formulas: a tube of cloth on a swaying ellipsoid. To try methods and tools on in milliseconds."""
+"""A tiny sequence made by formulas, to try methods and tools on: a tube of cloth on a swaying ellipsoid."""
 
 import numpy as np
 
@@ -47,7 +47,8 @@ def _tube() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     faces = np.concatenate([np.stack([corner, right, up], 1), np.stack([right, up + 1, up], 1)])
     left = np.arange(_ROWS) * (_COLUMNS + 1)
     seams = np.stack([left, left + _COLUMNS], axis=1)
-    return rest.astype(np.float32), faces.astype(np.int32), np.stack([u, v], 1).astype(np.float32), seams.astype(np.int32)
+    uv = np.stack([u, v], axis=1)
+    return rest.astype(np.float32), faces.astype(np.int32), uv.astype(np.float32), seams.astype(np.int32)
 
 
 def _ellipsoid(kind: str | None) -> Body | None:
@@ -55,7 +56,7 @@ def _ellipsoid(kind: str | None) -> Body | None:
     if kind is None:
         return None
     rings, around = 13, 12
-    polar, turn = np.meshgrid(np.pi * np.arange(1, rings) / rings, 2 * np.pi * np.arange(around) / around, indexing="ij")
+    polar, turn = np.meshgrid(np.arange(1, rings) * np.pi / rings, np.arange(around) * 2 * np.pi / around, indexing="ij")
     inner = np.stack([np.sin(polar) * np.cos(turn), np.sin(polar) * np.sin(turn), -np.cos(polar)], -1).reshape(-1, 3)
     rest = (np.concatenate([inner, [[0, 0, -1], [0, 0, 1]]]) * _RADII).astype(np.float32)
     grid = np.arange(len(inner)).reshape(rings - 1, around)

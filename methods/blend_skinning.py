@@ -6,6 +6,7 @@ import numpy as np
 
 from garmentbench.geometry.seeds import SeedPoints, seed_frames, seed_points, select_seeds
 from garmentbench.sequence import Template
+from methods.seed_features import root_map
 
 RADIUS = 0.05  # [m] of the Gaussian kernel, where the paper's learnt radii start
 
@@ -18,18 +19,24 @@ class Skin:
         seeds: N seed points; None where there is no body, then the garment is carried by nothing (N is 1).
         weights: Blend weights, rows sum to 1, shape (V, N), float32.
         rest: The garment's rest shape [m], shape (V, 3), float32.
+        upright: The body is taken for its root alone (`root_map`): all vertices move and turn about the vertical alike.
     """
 
     seeds: SeedPoints | None
     weights: np.ndarray
     rest: np.ndarray
+    upright: bool = False
 
     @classmethod
-    def of(cls, template: Template, count: int, vertices: np.ndarray | None = None) -> "Skin":
+    def of(
+        cls, template: Template, count: int, vertices: np.ndarray | None = None, upright_objects: bool = False
+    ) -> "Skin":
         """A skin of at most `count` seed points, or of given body `vertices`, shape (N,).
 
-        Weights are a softmax over the seeds of -d^2 / (2 radius^2), d between rest garment and rest seed (equation 2 of
-        Zhang et al. 2022, on the rest garment and with one radius).
+        With `upright_objects`, an object that is no human body is taken for its upright root alone.
+
+        Weights are a softmax over the seeds of -d^2 / (2 radius^2), d between rest garment and rest seed (the blend
+        weights of section 4.2 of Zhang et al. 2022, fixed and with one radius).
         """
         rest, body = template.garment.rest, template.body
         if body is None:
@@ -37,12 +44,15 @@ class Skin:
         seeds = select_seeds(template, count) if vertices is None else seed_points(body.rest, body.faces, vertices)
         squared = np.sum((rest[:, None] - seeds.rest[None]) ** 2, axis=-1)
         kernel = np.exp((squared.min(axis=1, keepdims=True) - squared) / (2 * RADIUS**2))
-        return cls(seeds, (kernel / kernel.sum(axis=1, keepdims=True)).astype(np.float32), rest)
+        upright = upright_objects and not template.needs.body
+        return cls(seeds, (kernel / kernel.sum(axis=1, keepdims=True)).astype(np.float32), rest, upright)
 
     def blend(self, body: np.ndarray | None) -> np.ndarray:
         """Affine map of each vertex from the canonical pose to that of a body [m], shape (B, 3); shape (V, 3, 4)."""
         if self.seeds is None:
             maps = np.eye(3, 4, dtype=np.float32)[None]
+        elif self.upright:
+            return np.broadcast_to(root_map(self.seeds, body).astype(np.float32), (len(self.rest), 3, 4))
         else:
             position, rotation, _ = seed_frames(body, self.seeds)
             offset = position - np.einsum("nab,nb->na", rotation, self.seeds.rest)
@@ -53,14 +63,14 @@ class Skin:
 class SkinOf:
     """The skin for a template. It keeps the last one: single steps begin anew at every frame of the same template."""
 
-    def __init__(self, count: int, vertices: np.ndarray | None = None) -> None:
-        """count, vertices: as for `Skin.of`."""
-        self.count, self.vertices = count, vertices
+    def __init__(self, count: int, vertices: np.ndarray | None = None, upright_objects: bool = False) -> None:
+        """count, vertices, upright_objects: as for `Skin.of`."""
+        self.arguments = count, vertices, upright_objects
         self._last: tuple[Template, Skin] | None = None
 
     def __call__(self, template: Template) -> Skin:
         if self._last is None or self._last[0] is not template:
-            self._last = template, Skin.of(template, self.count, self.vertices)
+            self._last = template, Skin.of(template, *self.arguments)
         return self._last[1]
 
 

@@ -2,7 +2,8 @@
 
 The garment is taken back to the canonical pose; its displacements from the rest shape become codes in a PCA basis. A
 ridge regression predicts a frame's code from the two before it and from the body: seed points now and in the three
-frames before, as the body's root sees them (from its place, and by its turn about the vertical), as PCA codes too.
+frames before, as the upright root sees them, as PCA codes too. On an object "back" means from that root, since cloth
+hangs down however the object has rolled.
 
 In the manner of Holden et al. 2019, "Subspace Neural Physics", with a linear map in place of their network.
 """
@@ -22,7 +23,7 @@ from methods.seed_features import seed_features
 
 @dataclass(frozen=True)
 class Config:
-    """seeds: At most so many seed points. codes: Size of the garment's subspace. body_codes: Size of the body's."""
+    """seeds: At most so many seed points. codes, body_codes: Sizes of the garment's and the body's subspace."""
 
     seeds: int = 200
     codes: int = 64
@@ -31,7 +32,7 @@ class Config:
 
 @dataclass(frozen=True)
 class State:
-    """skin: what carries the garment. bodies: the last three [m], (3, B, 3), or None. last, before: the last two codes."""
+    """skin: carries the garment. bodies: the last three [m], (3, B, 3), or None. last, before: the last two codes."""
 
     skin: Skin
     bodies: np.ndarray | None
@@ -49,16 +50,15 @@ class LinearSubspace:
     def __init__(self, seeds: np.ndarray, garment: Subspace, body: Subspace, dynamics: np.ndarray) -> None:
         """seeds: body vertices, shape (N,). dynamics: as `fit_dynamics` gives it."""
         self.seeds, self.garment, self.body, self.dynamics = seeds, garment, body, dynamics
-        self.skin_of = SkinOf(len(seeds), seeds)
+        self.skin_of = SkinOf(len(seeds), seeds, upright_objects=True)
 
     @classmethod
     def fit(cls, train: Sequence, config: Config, run: FitRun) -> "LinearSubspace":
         """Closed form; nothing is random."""
-        skin = Skin.of(train.template, config.seeds)
+        skin = Skin.of(train.template, config.seeds, upright_objects=True)
         bodies = [None] * len(train) if train.body is None else train.body
         shapes = np.array([_displacement(skin, b, g) for b, g in zip(bodies, train.garment)])
-        ends = range(HISTORY, len(train))
-        inputs = np.array([seed_features(skin.seeds, bodies[t - HISTORY : t + 1]) for t in ends])
+        inputs = np.array([seed_features(skin.seeds, bodies[t - HISTORY : t + 1]) for t in range(HISTORY, len(train))])
         garment, body = Subspace.of(shapes, config.codes), Subspace.of(inputs, config.body_codes)
         dynamics = fit_dynamics(garment.encode(shapes[HISTORY:]), body.encode(inputs))
         seeds = np.zeros(0, np.int64) if skin.seeds is None else skin.seeds.vertices
@@ -80,19 +80,18 @@ class LinearSubspace:
         """Encode the last two garments."""
         skin = self.skin_of(template)
         bodies = [None] * HISTORY if history.bodies is None else history.bodies
-        shapes = np.array([_displacement(skin, b, g) for b, g in zip(bodies[-2:], history.garments[-2:])])
-        before, last = self.garment.encode(shapes)
+        shapes = [_displacement(skin, b, g) for b, g in zip(bodies[-2:], history.garments[-2:])]
+        before, last = self.garment.encode(np.array(shapes))
         return State(skin, history.bodies, last, before)
 
     def step(self, state: State, body: BodyFrame) -> tuple[np.ndarray, State]:
-        """Advance the code, decode it, and carry the garment to the present pose [m], shape (V, 3)."""
+        """The next code, decoded and carried to the present pose [m], shape (V, 3)."""
         with span("prepare"):
             maps = state.skin.blend(body.vertices)
             bodies = None if state.bodies is None else np.concatenate([state.bodies, body.vertices[None]])
             inputs = self.body.encode(seed_features(state.skin.seeds, bodies))
         code = advance(self.dynamics, state.last, state.before, inputs)
-        canonical = state.skin.rest + self.garment.decode(code).reshape(-1, 3)
-        garment = place(maps, canonical).astype(np.float32)
+        garment = place(maps, state.skin.rest + self.garment.decode(code).reshape(-1, 3)).astype(np.float32)
         return garment, replace(state, bodies=None if bodies is None else bodies[1:], last=code, before=state.last)
 
 

@@ -53,7 +53,7 @@ def fit_dynamics(z: np.ndarray, f: np.ndarray) -> np.ndarray:
         if max(_spectral_radius(part), _spectral_radius(whole)) < 1:
             error[strengths] = np.linalg.norm(_roll_out(part, z, f, cut) - z[cut:], axis=1).mean()
     if not error:
-        raise UserError("linear_subspace: the garment's motion grows without bound; train on a longer or calmer sequence")
+        raise UserError("linear_subspace: the fitted motion grows without bound; train on a longer or calmer sequence")
     near_best = [s for s, e in error.items() if e <= _TOLERANCE * min(error.values())]
     return _ridge(z, f, *max(near_best, key=lambda s: s[0] * s[1]))
 

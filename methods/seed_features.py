@@ -1,15 +1,28 @@
-"""What a regression is told of the body: seed points over a few frames, as the root sees them now."""
+"""The body as its root sees it: what a regression is told of it."""
 
 import numpy as np
 
 from garmentbench.geometry.seeds import SeedPoints
 
 
-def seed_features(seeds: SeedPoints | None, bodies: np.ndarray | None) -> np.ndarray:
-    """Seed points relative to the root of the last frame, less their rest places, shape (H * 3 N,).
+def root_map(seeds: SeedPoints, body: np.ndarray) -> np.ndarray:
+    """Rigid map from the canonical pose to the root of a body [m], shape (B, 3), as a matrix of shape (3, 4).
 
-    The root is the seeds' mean, turned about the vertical as they have turned on the whole since the canonical pose. So
-    it does not matter where on the ground the body stands and which way it faces, but it does how it moves and leans.
+    The root is where the seeds' mean has gone, turned about the vertical as they have turned on the whole (by least
+    squares). It stays upright.
+    """
+    start, now = seeds.rest.mean(axis=0), body[seeds.vertices].mean(axis=0)
+    (x, y), (u, v) = (seeds.rest - start)[:, :2].T, (body[seeds.vertices] - now)[:, :2].T
+    angle = np.arctan2(np.sum(x * v - y * u), np.sum(x * u + y * v))
+    c, s = np.cos(angle), np.sin(angle)
+    turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    return np.concatenate([turn, (now - turn @ start)[:, None]], axis=1)
+
+
+def seed_features(seeds: SeedPoints | None, bodies: np.ndarray | None) -> np.ndarray:
+    """Seed points in the last frame's root, less their rest places, shape (H * 3 N,).
+
+    So it does not matter where the body stands and which way it faces, but it does how it moves and leans.
 
     Args:
         seeds: N seed points; None where there is no body, then the result is empty.
@@ -17,11 +30,6 @@ def seed_features(seeds: SeedPoints | None, bodies: np.ndarray | None) -> np.nda
     """
     if seeds is None:
         return np.zeros(0)
-    rest = seeds.rest - seeds.rest.mean(axis=0)
-    points = bodies[:, seeds.vertices]
-    points = points - points[-1].mean(axis=0)
-    (x, y), (u, v) = rest[:, :2].T, points[-1, :, :2].T
-    angle = np.arctan2(np.sum(x * v - y * u), np.sum(x * u + y * v))  # least squares, in the plane
-    c, s = np.cos(angle), np.sin(angle)
-    back = np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
-    return (points @ back.T - rest).ravel()
+    root = root_map(seeds, bodies[-1])
+    points = (bodies[:, seeds.vertices] - root[:, 3]) @ root[:, :3]  # rows times the turn: its inverse
+    return (points - seeds.rest).ravel()

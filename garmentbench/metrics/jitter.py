@@ -19,7 +19,7 @@ def accelerations(positions: np.ndarray, fps: float) -> np.ndarray:
 
 
 def jitter(predicted: np.ndarray, reference: np.ndarray, fps: float) -> float:
-    """Mean excess of acceleration over the reference's [m/s^2], of positions [m], shape (T, V, 3); NaN below 3 frames."""
+    """Mean excess of acceleration over the reference's [m/s^2], of positions [m], shape (T, V, 3); NaN for T < 3."""
     if len(predicted) < 3:
         return float("nan")
     excess = accelerations(predicted, fps) - accelerations(reference, fps)

@@ -1,6 +1,6 @@
 """Liveliness: does the cloth move on the body as much as it should?
 
-    E(x) = sum_t sum_i m_i | (x_ti - x_t-1,i) - (b_tk - b_t-1,k) |^2,   k the body vertex nearest to the *reference* vertex
+    E(x) = sum_t sum_i m_i | (x_ti - x_t-1,i) - (b_tk - b_t-1,k) |^2,   k the body vertex nearest to the *reference*
     liveliness = E(prediction) / E(reference)    [1]
 
 1 is as lively as the reference, below 1 stiff, above 1 restless. m_i is a third of the rest area round vertex i; the

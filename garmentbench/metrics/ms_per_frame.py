@@ -1,7 +1,7 @@
 """Time a frame, batch 1, after warm-up, synchronised with the device.
 
     ms_per_frame, ms_per_frame_p95: median and 95th percentile over frames of a step's wall time    [ms]
-    ms_prepare, ms_predict, ms_collide: medians of its parts: input maps and the like, the prediction, the collision stage
+    ms_prepare, ms_predict, ms_collide: medians of its parts: input maps and the like, prediction, collision stage
 
 The parts' medians need not add up to the whole's.
 

@@ -1,6 +1,6 @@
 """Strain: how much the cloth is stretched or squeezed.
 
-    strain_p95 = 100 mean_t p95_e | l_te / L_e - 1 |,   l an edge's length in frame t, L its length in the template    [%]
+    strain_p95 = 100 mean_t p95_e | l_te / L_e - 1 |,   l an edge's length in frame t, L in the template    [%]
 
 When it lies. It doesn't know the material: cloth that should stretch is judged as cloth that should not, so compare it
 with the reference's own strain, which stands beside it. Short edges have large strains for a small error; the 95th

@@ -93,6 +93,21 @@ def test_a_skin_carries_the_rest_garment_to_the_rest_body():
     np.testing.assert_allclose(place(maps, template.garment.rest), template.garment.rest, atol=1e-6)
 
 
+def test_an_object_may_be_taken_for_its_upright_root():
+    """A stick that has rolled over, turned by 40 degrees and moved: cloth still hangs down."""
+    sequence = tiny_sequence(4, "object")
+    rest, garment = sequence.template.body.rest, sequence.template.garment.rest
+    roll = Rotation.from_euler("z", 40, degrees=True) * Rotation.from_euler("x", 10, degrees=True)
+    moved = (roll.apply(rest) + [1, 2, 3]).astype(np.float32)
+    maps = Skin.of(sequence.template, 300, upright_objects=True).blend(moved)
+    upright = Rotation.from_euler("z", 40, degrees=True).apply(garment - rest.mean(axis=0)) + moved.mean(axis=0)
+    np.testing.assert_allclose(place(maps, garment), upright, atol=2e-2)
+    np.testing.assert_allclose(maps[:, 2, :3], np.broadcast_to([0, 0, 1], (len(garment), 3)), atol=1e-6)
+    human = tiny_sequence(4)
+    skins = [Skin.of(human.template, 50, upright_objects=u).blend(human.body[3]) for u in (False, True)]
+    np.testing.assert_array_equal(*skins)
+
+
 def test_lift_undoes_place():
     sequence = tiny_sequence(10)
     maps = Skin.of(sequence.template, 50).blend(sequence.body[7])
