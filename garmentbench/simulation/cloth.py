@@ -22,8 +22,8 @@ class Solver:
         substeps: A frame, a multiple of `settings.queries`.
         frame_time: Of one frame [s].
         device: Warp device.
-        serial: One launch of one thread for all substeps between two queries (no launch storm on a CPU), or two passes
-            of parallel threads a substep. The result is the same.
+        serial: One launch of one thread for all substeps between two queries, or two passes of parallel threads a
+            substep. The result is the same. None: serial on a CPU (no launch storm), parallel on CUDA.
     """
 
     def __init__(
@@ -36,9 +36,10 @@ class Solver:
         substeps: int,
         frame_time: float,
         device: str = "cpu",
-        serial: bool = True,
+        serial: bool | None = None,
     ) -> None:
-        self.device, self.serial = device, serial
+        self.device = device
+        self.serial = not wp.get_device(device).is_cuda if serial is None else serial
         self.queries, self.frame_time = settings.queries, frame_time
         self.steps = substeps // settings.queries
         self.cloth = _cloth(fabric, start, device)

@@ -54,7 +54,7 @@ def drive(
     material: Material,
     settings: Settings,
     device: str = "cpu",
-    serial: bool = True,
+    serial: bool | None = None,
     budget: int | None = None,
     step: Callable[[], None] = lambda: None,
 ) -> Drive:
