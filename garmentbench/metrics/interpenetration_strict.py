@@ -4,7 +4,9 @@
     depth_p95 = 95th percentile of -1000 d_ti over the vertices inside, 0 if none is    [mm]
 
 d is the signed distance [m] of a garment vertex to the nearest point of the body's triangles, negative inside; the sign
-is that of the angle-weighted normal at that point (Baerentzen and Aanaes 2005), which is exact for closed surfaces.
+is that of the angle-weighted normal at that point (Baerentzen and Aanaes 2005), which is exact for closed surfaces. In
+float32 it is wrong for about 3 vertices in a million, where faces of a crease are almost equally near; so it is asked
+for with two tolerances, and where the two disagree the winding number decides.
 
 When it lies. Where the body passes through itself (an arm in the trunk) the nearest surface decides, and cloth caught in
 between may count as outside. `depth_p95` is over the vertices inside only: one deep vertex looks worse than a thousand
@@ -38,7 +40,8 @@ def signed_distances(garment: np.ndarray, body: np.ndarray, body_faces: np.ndarr
         for t in range(len(out)):
             points.assign(body[t])
             mesh.refit()
-            wp.launch(_query, len(distances), [mesh.id, wp.array(garment[t], dtype=wp.vec3)], [distances])
+            points_now = wp.array(garment[t], dtype=wp.vec3)
+            wp.launch(_query, len(distances), [mesh.id, len(body_faces), points_now], [distances])
             out[t] = distances.numpy()
     return out
 
@@ -54,9 +57,30 @@ def depth_p95(distances: np.ndarray) -> float:
     return float(np.percentile(-1e3 * inside.astype(np.float64), 95)) if inside.size else 0.0
 
 
+@wp.func
+def _winding_number(mesh: wp.uint64, face_count: int, point: wp.vec3) -> float:
+    """How often the surface goes round a point: the sum of its faces' solid angles over 4 pi (van Oosterom and Strackee
+    1983)."""
+    angle = float(0.0)
+    for face in range(face_count):
+        a = wp.mesh_get_point(mesh, 3 * face) - point
+        b = wp.mesh_get_point(mesh, 3 * face + 1) - point
+        c = wp.mesh_get_point(mesh, 3 * face + 2) - point
+        la, lb, lc = wp.length(a), wp.length(b), wp.length(c)
+        below = la * lb * lc + wp.dot(a, b) * lc + wp.dot(b, c) * la + wp.dot(c, a) * lb
+        angle += 2.0 * wp.atan2(wp.dot(a, wp.cross(b, c)), below)
+    return angle / (4.0 * wp.pi)
+
+
 @wp.kernel
-def _query(mesh: wp.uint64, points: wp.array(dtype=wp.vec3), distances: wp.array(dtype=float)):
+def _query(
+    mesh: wp.uint64, face_count: int, points: wp.array(dtype=wp.vec3), distances: wp.array(dtype=float)
+):
     i = wp.tid()
-    hit = wp.mesh_query_point_sign_normal(mesh, points[i], _FARTHEST)
+    hit = wp.mesh_query_point_sign_normal(mesh, points[i], _FARTHEST, 1.0e-3)
+    again = wp.mesh_query_point_sign_normal(mesh, points[i], _FARTHEST, 1.0e-5)
+    sign = hit.sign
+    if sign != again.sign:
+        sign = 1.0 - 2.0 * wp.round(wp.min(wp.abs(_winding_number(mesh, face_count, points[i])), 1.0))
     at = wp.mesh_eval_position(mesh, hit.face, hit.u, hit.v)
-    distances[i] = hit.sign * wp.length(points[i] - at)
+    distances[i] = sign * wp.length(points[i] - at)
