@@ -24,6 +24,7 @@ class Drive:
     """What came of it. All over T frames, warm-up included.
 
     Attributes:
+        fabric: What was simulated.
         positions: Garment vertices [m], world axes, shape (T, V, 3), float64 (float32 digits round a local origin).
         strain: Mean and 99th percentile of |edge strain| of each frame, shape (T, 2).
         kinetic: Kinetic energy of each frame [J], shape (T,).
@@ -32,17 +33,26 @@ class Drive:
         first_bad_frame: The first that is not finite or strained beyond `STRAIN_LIMIT`, or None.
     """
 
+    fabric: Fabric = field(repr=False)
     positions: np.ndarray
     strain: np.ndarray
     kinetic: np.ndarray
     substeps: int
     ms_per_frame: float = 0.0
     first_bad_frame: int | None = None
-    fabric: Fabric | None = field(default=None, repr=False)
 
     @property
     def status(self) -> str:
         return OK if self.first_bad_frame is None else UNSTABLE
+
+    def note(self, t: int, solver: Solver, origin: np.ndarray) -> None:
+        """Take frame t from the solver, whose local origin is `origin` [m]."""
+        x, v = solver.positions, solver.velocities.astype(np.float64)
+        self.positions[t] = x[self.fabric.particle] + origin
+        self.strain[t] = _strain(self.fabric, x)
+        self.kinetic[t] = 0.5 * self.fabric.mass @ (v**2).sum(axis=1)
+        if self.first_bad_frame is None and not self.strain[t, 1] <= STRAIN_LIMIT:
+            self.first_bad_frame = t
 
 
 def drive(
@@ -76,29 +86,25 @@ def drive(
     count = len(origins)
     first = np.zeros_like(fabric.rest)
     first[fabric.particle] = start - origins[0] + _noise(fabric, settings)[fabric.particle]
-    if budget is not None:
-        settings = replace(settings, queries=math.gcd(settings.queries, budget))
-    n = budget or substeps(fabric, material, settings, 1 / fps)
     surface = None if body is None else (body.faces, frames[0] - origins[0])
-    kind = Solver if budget is None else XpbdSolver
+    kind, n = Solver, budget
+    if budget is None:
+        n = substeps(fabric, material, settings, 1 / fps)
+    else:
+        kind, settings = XpbdSolver, replace(settings, queries=math.gcd(settings.queries, budget))
     solver = kind(fabric, first, surface, material, settings, n, 1 / fps, device, serial)
-    out = Drive(np.zeros((count, *garment.rest.shape)), np.zeros((count, 2)), np.zeros(count), n, fabric=fabric)
+    out = Drive(fabric, np.zeros((count, *garment.rest.shape)), np.zeros((count, 2)), np.zeros(count), n)
     out.positions[0] = first[fabric.particle] + origins[0]
     begin = time.perf_counter()
     for t in range(1, count):
-        if t == 2:
-            begin = time.perf_counter()
         if body is not None:
             _set_frame(solver, frames, origins[t - 1], t - 1, fps, still_air=body.kind == OBJECT)
         solver.advance()
-        x = solver.positions
-        out.strain[t] = _strain(fabric, x)
-        out.kinetic[t] = 0.5 * (fabric.mass * (solver.velocities.astype(np.float64) ** 2).sum(axis=1)).sum()
-        out.positions[t] = x[fabric.particle] + origins[t - 1]
-        if out.first_bad_frame is None and not out.strain[t, 1] <= STRAIN_LIMIT:
-            out.first_bad_frame = t
+        out.note(t, solver, origins[t - 1])
         if np.any(origins[t] != origins[t - 1]):
             solver.shift(origins[t] - origins[t - 1])
+        if t == 1:
+            begin = time.perf_counter()
         step()
     out.ms_per_frame = 1e3 * (time.perf_counter() - begin) / max(count - 2, 1)
     return out

@@ -30,7 +30,7 @@ class Material:
     density: float = 0.2
     stretch: float = 300.0
     compression: float = 0.3
-    bending: float = 1.5e-5
+    bending: float = 3e-5
     stretch_damping: float = 1e-4
     bend_damping: float = 5e-3
     air: float = 5.0
