@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from garmentbench.errors import UsageError
+from garmentbench.errors import UsageError, UserError
 from garmentbench.presets import preset
 from garmentbench.progress import listening
 from garmentbench.scene import Motion, Scene
@@ -63,6 +63,11 @@ def test_moved_and_turned_scene_moves_alike(sequence):
 def test_pushed_start_ends_elsewhere(sequence):
     pushed = simulate(replace(SCENE, simulation={"start_noise": 0.01}), SMOKE)
     assert 1e-6 < np.linalg.norm(pushed.garment - sequence.garment, axis=-1).mean() < 0.05
+
+
+def test_step_beyond_its_bound_is_refused_once_nothing_finite_is_left():
+    with pytest.raises(UserError, match="lower step_margin .it is 4"):
+        simulate(replace(SCENE, simulation={"step_margin": 4.0}), SMOKE)
 
 
 def test_material_is_overridden_by_name():
