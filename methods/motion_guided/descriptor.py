@@ -22,6 +22,7 @@ class VertexToMap(nn.Module):
         table = chart(uv, faces, size)
         rows = np.repeat(table.pixels, 3)
         matrix = sp.csr_matrix((table.weights.ravel(), (rows, table.vertices.ravel())), (size * size, len(uv)))
+        self.register_buffer("covered", torch.from_numpy(table.pixels), persistent=False)
         mask = np.zeros(size * size, np.float32)
         mask[table.pixels] = 1
         self.size = size
@@ -30,6 +31,10 @@ class VertexToMap(nn.Module):
 
     def forward(self, values: Tensor) -> Tensor:
         return self.matrix(values).transpose(1, 2).unflatten(-1, (self.size, self.size))
+
+    def pixels(self, values: Tensor) -> Tensor:
+        """The same in the chart's P pixels only, shape (batch, P, D)."""
+        return self.matrix(values)[:, self.covered]
 
 
 class MapToVertex(nn.Module):

@@ -2,7 +2,7 @@
 
 Their origin is the mean of the seeds. That keeps float32 at its best however far the scene is from the world's origin,
 and changes nothing else, since all that the networks see is relative to the body. Their axes are the world's (paper and
-code) or turn with the body (ours, option `Model.axes`).
+code) or turn with the body's heading (ours, option `Model.axes`).
 """
 
 from dataclasses import dataclass
@@ -15,38 +15,77 @@ from garmentbench.geometry.seeds import SeedPoints, seed_frames
 
 
 @dataclass(frozen=True)
+class Pose:
+    """The seeds of some frames.
+
+    Attributes:
+        seeds: b_t [m], shape (T, N, 3).
+        rotations: R_t from the canonical pose, shape (T, N, 3, 3).
+        normals: n_t, shape (T, N, 3).
+    """
+
+    seeds: Tensor
+    rotations: Tensor
+    normals: Tensor
+
+    def at(self, chosen: Tensor) -> "Pose":
+        """Some of the frames, by index."""
+        return Pose(self.seeds[chosen], self.rotations[chosen], self.normals[chosen])
+
+
+@dataclass(frozen=True)
 class BodyFrames:
     """The body in T frames.
 
     Attributes:
         origin: Mean of the seeds [m], world, shape (T, 1, 3), float64.
         axes: Columns are the frame's axes in the world's, shape (T, 3, 3), float64.
-        seeds: b_t in the frame's coordinates [m], shape (T, N, 3).
-        normals: n_t in the frame's axes, shape (T, N, 3).
-        rotations: R_t from the canonical pose into the frame's axes, shape (T, N, 3, 3).
+        pose: The seeds in the frame's coordinates.
     """
 
     origin: np.ndarray
     axes: np.ndarray
-    seeds: Tensor
-    normals: Tensor
-    rotations: Tensor
+    pose: Pose
 
     def at(self, frames: Tensor) -> "BodyFrames":
         """Some of the frames, by index."""
-        return BodyFrames(*(x[frames.numpy() if isinstance(x, np.ndarray) else frames] for x in vars(self).values()))
+        return BodyFrames(self.origin[frames.numpy()], self.axes[frames.numpy()], self.pose.at(frames))
 
     def local(self, points: np.ndarray) -> Tensor:
         """World points [m], shape (T, V, 3), in the frames' coordinates."""
-        return to_tensor((points - self.origin) @ self.axes, self.seeds.device)
-
-    def turned(self, vectors: np.ndarray) -> Tensor:
-        """World vectors, shape (T, V, 3), in the frames' axes."""
-        return to_tensor(vectors @ self.axes, self.seeds.device)
+        return to_tensor((points - self.origin) @ self.axes, self.pose.seeds.device)
 
     def world(self, points: Tensor) -> np.ndarray:
         """The frames' points [m], shape (T, V, 3), in the world, float32."""
         return (points.cpu().numpy() @ np.swapaxes(self.axes, -1, -2) + self.origin).astype(np.float32)
+
+
+@dataclass(frozen=True)
+class Link:
+    """From the coordinates of frames before to those of frames now: p -> turn p + move.
+
+    Attributes:
+        turn: Shape (T, 3, 3).
+        move: [m], shape (T, 1, 3).
+    """
+
+    turn: Tensor
+    move: Tensor
+
+    def __call__(self, points: Tensor) -> Tensor:
+        """Points [m], shape (T, V, 3)."""
+        return points @ self.turn.transpose(1, 2) + self.move
+
+    def at(self, chosen: Tensor) -> "Link":
+        """Some of the frames, by index."""
+        return Link(self.turn[chosen], self.move[chosen])
+
+
+def link(before: BodyFrames, now: BodyFrames) -> Link:
+    """How the coordinates of frames `before` lie in those of frames `now`."""
+    device = now.pose.seeds.device
+    turn = np.swapaxes(now.axes, -1, -2) @ before.axes
+    return Link(to_tensor(turn, device), to_tensor((before.origin - now.origin) @ now.axes, device))
 
 
 def body_frames(body: np.ndarray, seeds: SeedPoints, rotation: str, axes: str, device: torch.device) -> BodyFrames:
@@ -56,26 +95,19 @@ def body_frames(body: np.ndarray, seeds: SeedPoints, rotation: str, axes: str, d
         rotations = smallest_rotations(seeds.frames[..., 2], normals)
     origin = positions.mean(axis=-2, keepdims=True, dtype=np.float64)
     relative = positions - origin
-    turn = frame_axes(relative, seeds.rest, axes)
-    local = (relative @ turn, normals @ turn, np.swapaxes(turn, -1, -2)[:, None] @ rotations)
-    return BodyFrames(origin, turn, *(to_tensor(x, device) for x in local))
+    turn = heading(relative, seeds.rest) if axes == "heading" else np.tile(np.eye(3), (len(body), 1, 1))
+    local = (relative @ turn, np.swapaxes(turn, -1, -2)[:, None] @ rotations, normals @ turn)
+    return BodyFrames(origin, turn, Pose(*(to_tensor(x, device) for x in local)))
 
 
-def frame_axes(relative: np.ndarray, rest: np.ndarray, axes: str) -> np.ndarray:
-    """The frames' axes, shape (T, 3, 3): "world"; "body": the rotation that brings the canonical seeds, shape (N, 3),
-    nearest to the present ones about their mean, shape (T, N, 3) (Kabsch 1976); "heading": its turn about the vertical.
-    """
-    if axes == "world":
-        return np.broadcast_to(np.eye(3), (len(relative), 3, 3))
+def heading(relative: np.ndarray, rest: np.ndarray) -> np.ndarray:
+    """The turns about the vertical, shape (T, 3, 3), that bring the canonical seeds, shape (N, 3), nearest to the
+    present ones about their mean, shape (T, N, 3)."""
     canonical = rest - rest.mean(axis=0)
-    if axes == "heading":
-        flat = relative[..., None, :2] * canonical[:, :2, None]
-        angle = np.arctan2((flat[..., 0, 1] - flat[..., 1, 0]).sum(-1), (flat[..., 0, 0] + flat[..., 1, 1]).sum(-1))
-        cos, sin, one, zero = np.cos(angle), np.sin(angle), np.ones_like(angle), np.zeros_like(angle)
-        return np.stack([cos, -sin, zero, sin, cos, zero, zero, zero, one], axis=-1).reshape(-1, 3, 3)
-    u, _, vt = np.linalg.svd(np.swapaxes(relative, -1, -2) @ canonical)
-    u[..., -1] *= np.linalg.det(u @ vt)[..., None]
-    return u @ vt
+    product = np.einsum("tni,nj->tij", relative, canonical)
+    angle = np.arctan2(product[:, 1, 0] - product[:, 0, 1], product[:, 0, 0] + product[:, 1, 1])
+    cos, sin, one, zero = np.cos(angle), np.sin(angle), np.ones_like(angle), np.zeros_like(angle)
+    return np.stack([cos, -sin, zero, sin, cos, zero, zero, zero, one], axis=-1).reshape(-1, 3, 3)
 
 
 def to_tensor(array: np.ndarray, device: torch.device) -> Tensor:

@@ -13,6 +13,8 @@ from methods.motion_guided.skinning import blend_weights, blended_rotations, dis
 from methods.motion_guided.sparse import SparseMatrix
 
 FIRST_RADIUS = 0.05  # [m]
+FAINT = 0.1  # share of their usual size at which the networks' last layers begin beside a linear path
+PATH_UNIT = 0.1  # [m]
 
 
 class GenerativeModel(nn.Module):
@@ -34,6 +36,8 @@ class GenerativeModel(nn.Module):
         self.log_radii = nn.Parameter(torch.full((len(parts),), float(np.log(FIRST_RADIUS))))
         self._constants(canonical, part)
         self.displacement_block = DisplacementMLP(options.width // 2, self.uv.shape[1], options.mlp_width)
+        if options.linear_paths:
+            self._linear_paths(len(canonical.rest), seeds)
 
     def _constants(self, canonical: Canonical, part: np.ndarray) -> None:
         size = self.options.map_size
@@ -56,6 +60,16 @@ class GenerativeModel(nn.Module):
         self.register_buffer("mean_garment", torch.zeros(len(canonical.rest), 3))
         self.register_buffer("mean_seeds", torch.zeros(len(part), 3))
 
+    def _linear_paths(self, vertices: int, seeds: int) -> None:
+        """Places for what is solved in closed form; the networks begin faint beside it."""
+        latent = self.options.latent
+        self.register_buffer("space_mean", torch.zeros(vertices, 3))
+        self.register_buffer("space_basis", torch.zeros(latent, 3 * vertices))
+        self.path = nn.Linear(3 * int(self.to_map.mask.sum()) + 3 * seeds, latent)
+        for last in (self.encoder.linear, self.displacement_block.last[1]):
+            last.weight.data.mul_(FAINT)
+            last.bias.data.zero_()
+
     def centre_descriptor(self, garments: Tensor, seeds: Tensor) -> None:
         """Set what is taken off the descriptor to its mean over training frames (option `centred_descriptor`)."""
         self.mean_garment.copy_(garments.mean(dim=0))
@@ -73,13 +87,23 @@ class GenerativeModel(nn.Module):
 
     def encode(self, garment: Tensor, seeds: Tensor) -> Tensor:
         """Z = E^Sta(S(M^P)), shape (batch, latent)."""
-        return self.encoder(self.features(garment, seeds))
+        code = self.encoder(self.features(garment, seeds))
+        return code + self.path(self.flat_descriptor(garment, seeds)) if self.options.linear_paths else code
+
+    def flat_descriptor(self, garment: Tensor, seeds: Tensor) -> Tensor:
+        """What the linear path is given: the positions in the chart's pixels and the seeds, of which the descriptor's
+        values are the differences, in `PATH_UNIT`, shape (batch, 3 P + 3 N)."""
+        pixels = self.to_map.pixels(garment - self.mean_garment)
+        return torch.cat([pixels.flatten(1), (seeds - self.mean_seeds).flatten(1)], dim=1) / PATH_UNIT
 
     def displaced(self, code: Tensor) -> Tensor:
         """Canonical displaced vertices g^ [m], shape (batch, V, 3), of latent codes (batch, latent)."""
         features = self.to_vertex(self.decoder(code))
         displacement = self.options.output_scale * self.displacement_block(features, self.uv)
-        return displace(self.rest, self.frames, displacement)
+        start = self.rest
+        if self.options.linear_paths:
+            start = self.space_mean + (code @ self.space_basis).unflatten(-1, (-1, 3))
+        return displace(start, self.frames, displacement)
 
     def weights(self, displaced: Tensor) -> Tensor:
         """Blend weights, shape (batch, V, N); of the rest garment, (1, V, N), where they are fixed (figure 7)."""

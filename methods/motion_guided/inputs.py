@@ -2,12 +2,11 @@
 
 from dataclasses import dataclass
 
-import numpy as np
 import torch
 from torch import Tensor
 
 from methods.motion_guided.descriptor import force_strength
-from methods.motion_guided.frames import BodyFrames
+from methods.motion_guided.frames import Link, Pose
 from methods.motion_guided.generative import GenerativeModel
 
 
@@ -40,7 +39,7 @@ class Inputs:
 
 @dataclass(frozen=True)
 class Past:
-    """The garment before frames t, as tensors.
+    """The garment before frames t.
 
     Attributes:
         garment: g_{t-1} in the coordinates of frame t - 1 [m], shape (batch, V, 3).
@@ -53,40 +52,37 @@ class Past:
     carried: Tensor
     motion: Tensor
 
-    def at(self, chosen: Tensor) -> "Past":
-        """Some of the frames, by index."""
-        return Past(*(x[chosen] for x in vars(self).values()))
 
-
-def past_of(garments: np.ndarray, before: BodyFrames, now: BodyFrames) -> Past:
+def past_of(third: Tensor, second: Tensor, last: Tensor, on: Link) -> Past:
     """What is before frames t.
 
     Args:
-        garments: World positions from three frames before the first t to one before the last [m], shape (T + 2, V, 3).
-        before: The body in frames t - 1.
-        now: The body in frames t.
+        third: g_{t-3} in the coordinates of frame t - 1 [m], shape (batch, V, 3).
+        second: g_{t-2}, likewise.
+        last: g_{t-1}, likewise.
+        on: From these to the coordinates of frame t.
     """
-    velocity = np.diff(garments, axis=0)
-    motion = torch.cat([before.turned(velocity[1:]), before.turned(np.diff(velocity, axis=0))], dim=-1)
-    return Past(before.local(garments[2:]), now.local(garments[2:]), motion)
+    velocity = last - second
+    return Past(last, on(last), torch.cat([velocity, velocity - (second - third)], dim=-1))
 
 
 @torch.no_grad()
 def dynamic_inputs(
-    model: GenerativeModel, past: Past, before: BodyFrames, now: BodyFrames, force_distance: str | None
+    model: GenerativeModel, past: Past, before: Tensor, now: Pose, previous: Tensor | None, touches: bool
 ) -> Inputs:
     """Inputs at frames t.
 
     Args:
         model: The trained generative model.
         past: The garment before.
-        before: The body at t - 1.
+        before: Seeds at t - 1, in the coordinates of frame t - 1 [m], shape (batch, N, 3).
         now: The body at t.
-        force_distance: The option `Stage2.force_distance`; None where there is nothing to touch.
+        previous: Seeds at t - 1 in the coordinates of frame t, where the force fades with the distance to them (option
+            `Stage2.force_distance`), else None.
+        touches: There is something to touch.
     """
-    features, motion = model.features(past.garment, before.seeds), model.to_map(past.motion)
-    if force_distance is None:
+    features, motion = model.features(past.garment, before), model.to_map(past.motion)
+    if not touches:
         return Inputs(features, motion, None, None)
-    previous = now.local(before.world(before.seeds)) if force_distance == "previous" else None
     strength = force_strength(past.carried, now.seeds, now.normals, previous)
     return Inputs(features, motion, model.to_map(strength), now.normals)

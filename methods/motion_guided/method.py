@@ -15,9 +15,9 @@ from methods.motion_guided.canonical import Canonical
 from methods.motion_guided.collision import CollisionStage, Residual
 from methods.motion_guided.config import VARIANTS, Config, config_for, config_from
 from methods.motion_guided.dynamics import DynamicEncoder
-from methods.motion_guided.frames import BodyFrames, body_frames
+from methods.motion_guided.frames import BodyFrames, body_frames, link
 from methods.motion_guided.generative import GenerativeModel
-from methods.motion_guided.inputs import dynamic_inputs, past_of
+from methods.motion_guided.inputs import Inputs, dynamic_inputs, past_of
 from methods.motion_guided.stages import train_stages
 from methods.motion_guided.training import load, save
 
@@ -103,23 +103,27 @@ class MotionGuided:
         torch.set_flush_denormal(True)
         with span("prepare"):
             now = self._body(body.vertices)
-            past = past_of(state.garments, state.body, now)
-            force_distance = self.config.stage2.force_distance if self.touches else None
-            inputs = dynamic_inputs(self.generative, past, state.body, now, force_distance)
+            inputs = self._inputs(state, now)
         with span("predict"):
             code = self.dynamics(inputs)
             displaced = self.generative.displaced(code)
-            posed = self.generative.pose(displaced, now.seeds, now.rotations)
+            posed = self.generative.pose(displaced, now.pose.seeds, now.pose.rotations)
             garment = now.world(posed)[0]
         before, residual = (None if state.collision is None else garment), state.residual
         if state.collision is not None and np.isfinite(garment).all():
             with span("collide"):
-                directions = self.generative.directions(displaced, now.seeds, now.rotations)
+                directions = self.generative.directions(displaced, now.pose.seeds, now.pose.rotations)
                 obstacle = now.local(body.vertices[None])[0].cpu().numpy()
                 posed, residual = state.collision.resolve(posed[0], directions[0], obstacle, residual)
                 garment = now.world(posed[None])[0]
         garments = np.concatenate([state.garments[1:], garment[None]])
         return garment, State(garments, now, before, state.collision, residual)
+
+    def _inputs(self, state: State, now: BodyFrames) -> Inputs:
+        before, on = state.body.pose.seeds, link(state.body, now)
+        past = past_of(*(state.body.local(garment[None]) for garment in state.garments), on)
+        previous = on(before) if self.config.stage2.force_distance == "previous" else None
+        return dynamic_inputs(self.generative, past, before, now.pose, previous, self.touches)
 
     def _body(self, vertices: np.ndarray) -> BodyFrames:
         options = self.config.model

@@ -8,7 +8,7 @@ def displace(template: Tensor, frames: Tensor, displacement: Tensor) -> Tensor:
     """Canonical displaced vertices g^ = g_0 + H_0 d [m], shape (batch, V, 3) (eq. 1, second line).
 
     Args:
-        template: g_0 [m], shape (V, 3).
+        template: g_0 [m], shape (V, 3), or (batch, V, 3).
         frames: H_0, columns tangent, bitangent, normal, shape (V, 3, 3).
         displacement: d [m], shape (batch, V, 3).
     """

@@ -8,11 +8,14 @@ from torch import Tensor
 from garmentbench.method import FitRun
 from garmentbench.sequence import Sequence
 from methods.motion_guided.canonical import Canonical
+from methods.motion_guided.closed_form import random_garments, solve_encoder_path
 from methods.motion_guided.config import Model, Stage1
-from methods.motion_guided.frames import BodyFrames, body_frames
+from methods.motion_guided.displacement_space import set_displacement_space
+from methods.motion_guided.frames import BodyFrames, Pose, body_frames
 from methods.motion_guided.generative import GenerativeModel
+from methods.motion_guided.limbs import Limbs
 from methods.motion_guided.losses import edge_deviation, latent_regulariser, reconstruction, sdf_violation
-from methods.motion_guided.pose_noise import PoseNoise
+from methods.motion_guided.posing import RandomPoses
 from methods.motion_guided.sdf import SignedDistance
 from methods.motion_guided.training import batch_at, generator, train
 
@@ -39,6 +42,7 @@ def training_frames(
 def fit_stage1(
     frames: TrainingFrames,
     canonical: Canonical,
+    limbs: Limbs,
     sdf: SignedDistance | None,
     sizes: Model,
     options: Stage1,
@@ -49,6 +53,7 @@ def fit_stage1(
     Args:
         frames: Training frames.
         canonical: The canonical pose.
+        limbs: What turns in random poses.
         sdf: SDF_0, frozen; None where there is no human body, and L_SDF0 is then not built.
         sizes: Of the model.
         options: Of the training.
@@ -56,14 +61,20 @@ def fit_stage1(
     """
     torch.manual_seed(run.seed)
     model = GenerativeModel(canonical, sizes).to(frames.garments.device)
+    pose = frames.body.pose
     if sizes.centred_descriptor:
-        model.centre_descriptor(frames.garments, frames.body.seeds)
-
-    noise = PoseNoise(model, options.pose_noise) if options.pose_noise else None
+        model.centre_descriptor(frames.garments, pose.seeds)
+    poses = None
+    if sizes.linear_paths:
+        poses = RandomPoses(limbs, model.canonical_seeds, options.posing)
+        set_displacement_space(model, canonical, frames.garments, pose)
+        solve_encoder_path(model, poses, pose, run.seed)
 
     def loss(step: int) -> dict[str, Tensor]:
         chosen = batch_at(step, options.training.batch, len(frames), run.seed)
-        return stage1_loss(model, sdf, noise, frames, chosen, step, options, generator(run.seed, step))
+        random = generator(run.seed, step)
+        terms = stage1_loss(model, sdf, frames.garments[chosen], pose.at(chosen), step, options, random)
+        return terms if poses is None else with_random_garments(model, poses, pose, terms, options, random)
 
     train(model, loss, options.training, run, "stage 1: generative space")
 
@@ -71,19 +82,16 @@ def fit_stage1(
 def stage1_loss(
     model: GenerativeModel,
     sdf: SignedDistance | None,
-    noise: PoseNoise | None,
-    frames: TrainingFrames,
-    chosen: Tensor,
+    garments: Tensor,
+    pose: Pose,
     step: int,
     options: Stage1,
     random: torch.Generator,
 ) -> dict[str, Tensor]:
-    """Terms of L = L_rec + L_rand + lambda_1 L_SDF0 + lambda_2 L_reg at the frames `chosen`, shape (batch,)."""
-    body = frames.body.at(chosen)
-    garments = frames.garments[chosen]
-    code = model.encode(*(noise(garments, body.seeds, random) if noise else (garments, body.seeds)))
+    """Terms of L = L_rec + L_rand + lambda_1 L_SDF0 + lambda_2 L_reg at some frames' garments, shape (batch, V, 3)."""
+    code = model.encode(garments, pose.seeds)
     displaced = model.displaced(code)
-    posed = model.pose(displaced, body.seeds, body.rotations)
+    posed = model.pose(displaced, pose.seeds, pose.rotations)
     position, laplacian = reconstruction(posed, garments, model.laplacian)
     terms = {"position": position, "laplacian": laplacian, "latent": latent_regulariser(code)}
     total = position + laplacian + options.latent_weight * terms["latent"]
@@ -99,3 +107,21 @@ def stage1_loss(
             regular = regular + options.sdf_weight * terms["sdf"]
         total = total + options.random_every * regular
     return {"total": total, **terms}
+
+
+def with_random_garments(
+    model: GenerativeModel,
+    poses: RandomPoses,
+    recorded: Pose,
+    terms: dict[str, Tensor],
+    options: Stage1,
+    random: torch.Generator,
+) -> dict[str, Tensor]:
+    """The same terms, averaged with the reconstruction of as many random garments in random poses (ours)."""
+    codes, garments, pose = random_garments(model, poses, recorded, options.training.batch, random)
+    found = model.encode(garments, pose.seeds)
+    posed = model.pose(model.displaced(found), pose.seeds, pose.rotations)
+    position, laplacian = reconstruction(posed, garments, model.laplacian)
+    error = (found - codes).abs().mean()
+    total = 0.5 * (terms["total"] + position + laplacian) + options.code_weight * error
+    return {**terms, "total": total, "random_position": position, "random_code": error}

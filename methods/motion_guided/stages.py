@@ -12,9 +12,10 @@ from methods.motion_guided.canonical import Canonical
 from methods.motion_guided.config import Config
 from methods.motion_guided.dynamics import DynamicEncoder
 from methods.motion_guided.generative import GenerativeModel
+from methods.motion_guided.limbs import Limbs, find_limbs
 from methods.motion_guided.sdf import SignedDistance, fit_sdf
 from methods.motion_guided.stage1 import TrainingFrames, fit_stage1, training_frames
-from methods.motion_guided.stage2 import fit_stage2, teacher
+from methods.motion_guided.stage2 import fit_stage2
 from methods.motion_guided.training import WEIGHTS, load
 
 
@@ -26,8 +27,10 @@ def train_stages(
     sdf = _sdf(train, config, run, device, identity) if train.template.needs.body else None
     identity |= {"frames": _digest(train, frames=True)}
     frames = training_frames(train, canonical, config.model, device)
-    generative = _stage1(frames, canonical, sdf, config, run, identity)
-    return generative, _stage2(train, generative, frames, config, run, identity)
+    limbs = find_limbs(train.template.body, canonical.seeds)
+    generative = _stage1(frames, canonical, limbs, sdf, config, run, identity)
+    touches = train.template.needs.interaction_force
+    return generative, _stage2(frames, generative, limbs, touches, config, run, identity)
 
 
 def _sdf(train: Sequence, config: Config, run: FitRun, device: torch.device, identity: dict) -> SignedDistance:
@@ -44,6 +47,7 @@ def _sdf(train: Sequence, config: Config, run: FitRun, device: torch.device, ide
 def _stage1(
     frames: TrainingFrames,
     canonical: Canonical,
+    limbs: Limbs,
     sdf: SignedDistance | None,
     config: Config,
     run: FitRun,
@@ -53,7 +57,7 @@ def _stage1(
     options = {part: asdict(getattr(config, part)) for part in ("model", "sdf", "stage1")}
     stage = run.stage("stage1", {**identity, **options, "code": code})
     if not stage.finished:
-        fit_stage1(frames, canonical, sdf, config.model, config.stage1, stage)
+        fit_stage1(frames, canonical, limbs, sdf, config.model, config.stage1, stage)
         stage.finish()
     model = GenerativeModel(canonical, config.model).to(frames.garments.device)
     model.load_state_dict(load(stage.folder / WEIGHTS, frames.garments.device))
@@ -61,15 +65,19 @@ def _stage1(
 
 
 def _stage2(
-    train: Sequence, generative: GenerativeModel, frames: TrainingFrames, config: Config, run: FitRun, identity: dict
+    frames: TrainingFrames,
+    generative: GenerativeModel,
+    limbs: Limbs,
+    touches: bool,
+    config: Config,
+    run: FitRun,
+    identity: dict,
 ) -> DynamicEncoder:
     code = fingerprint("methods.motion_guided.stage2")
     options = {part: asdict(getattr(config, part)) for part in ("model", "sdf", "stage1", "stage2")}
     stage = run.stage("stage2", {**identity, **options, "code": code})
-    touches = train.template.needs.interaction_force
     if not stage.finished:
-        taught = teacher(generative, frames, train.garment, config.stage2, touches)
-        fit_stage2(generative, taught, config.model, config.stage2, touches, stage)
+        fit_stage2(generative, frames, limbs, config.model, config.stage2, touches, stage)
         stage.finish()
     dynamics = DynamicEncoder(config.model, len(generative.canonical_seeds) if touches else None)
     dynamics.to(frames.garments.device).load_state_dict(load(stage.folder / WEIGHTS, frames.garments.device))

@@ -8,7 +8,7 @@ import pytest
 from garmentbench.runs import RunStore
 from garmentbench.sequence import Body, Garment, Sequence, Template
 from methods.motion_guided import MotionGuided
-from methods.motion_guided.config import Collision, Config, Model, Sdf, Stage1, Stage2, Training
+from methods.motion_guided.config import Collision, Config, Model, Posing, Sdf, Stage1, Stage2, Training
 
 
 def tube(radius: float, height: float, rows: int, columns: int, closed: bool) -> tuple[np.ndarray, ...]:
@@ -28,14 +28,14 @@ def tube(radius: float, height: float, rows: int, columns: int, closed: bool) ->
 
 
 def cylinder() -> Body:
-    """A closed cylinder with two parts, "low" and "high"."""
+    """A closed cylinder with two parts, "upper_body" and "thigh"."""
     wall, faces, _ = tube(0.1, 0.8, rows=9, columns=12, closed=True)
     rest = np.concatenate([wall, [[0, 0, -0.4], [0, 0, 0.4]]]).astype(np.float32)
     n, around = len(wall), np.arange(12)
     after = (around + 1) % 12
     caps = [[n, after[i], around[i]] for i in around] + [[n + 1, 96 + around[i], 96 + after[i]] for i in around]
     labels = (rest[:, 2] > 0).astype(np.int8)
-    return Body("cylinder", rest, np.concatenate([faces, caps]).astype(np.int32), labels, ("low", "high"))
+    return Body("cylinder", rest, np.concatenate([faces, caps]).astype(np.int32), labels, ("thigh", "upper_body"))
 
 
 def sway(rest: np.ndarray, time: np.ndarray) -> np.ndarray:
@@ -63,10 +63,10 @@ def tiny_config() -> Config:
     """Everything at the smallest size, a few steps a stage."""
     few = Training(steps=6, batch=2, learning_rate=1e-3)
     return Config(
-        model=Model(map_size=8, width=4, mlp_width=8, latent=6, seeds=12, output_scale=0.03, centred_descriptor=True),
+        model=Model(8, 4, 8, 6, 12, axes="heading", output_scale=0.03, centred_descriptor=True, linear_paths=True),
         sdf=Sdf(layers=4, width=16, batch=16, training=few),
-        stage1=Stage1(few),
-        stage2=Stage2(few, cache_inputs=True),
+        stage1=Stage1(few, posing=Posing(0.1, 0.1, 1.0)),
+        stage2=Stage2(few, posing=Posing(0.1, 0.1, 0.3)),
         collision=Collision(map_size=8),
     )
 

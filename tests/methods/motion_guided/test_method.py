@@ -7,6 +7,12 @@ import torch
 from garmentbench.errors import UserError
 from garmentbench.method import BodyFrame, History
 from methods.motion_guided import MotionGuided
+from methods.motion_guided.canonical import Canonical
+from methods.motion_guided.dynamics import DynamicEncoder
+from methods.motion_guided.generative import GenerativeModel
+from methods.motion_guided.samples import Recorded
+from methods.motion_guided.stage1 import stage1_loss, training_frames
+from methods.motion_guided.stage2 import sample_inputs, stage2_loss
 
 
 def roll_out(method, sequence, frames=4, start=3):
@@ -79,29 +85,24 @@ def test_not_a_number_is_returned_as_it_is(trained, sequence):
     assert np.isnan(garment).any()
 
 
-def test_every_parameter_gets_a_gradient(sequence, config, trained):
-    from methods.motion_guided.canonical import Canonical
-    from methods.motion_guided.dynamics import DynamicEncoder
-    from methods.motion_guided.generative import GenerativeModel
-    from methods.motion_guided.stage1 import stage1_loss, training_frames
-    from methods.motion_guided.stage2 import inputs_at, stage2_loss, teacher
-
+@pytest.mark.parametrize("linear_paths", [True, False])
+def test_every_parameter_gets_a_gradient(sequence, config, linear_paths):
     torch.manual_seed(0)
-    cpu = torch.device("cpu")
-    canonical = Canonical.of(sequence.template, config.model.seeds)
-    model = GenerativeModel(canonical, config.model)
-    frames = training_frames(sequence, canonical, config.model, cpu)
+    sizes, cpu = replace(config.model, linear_paths=linear_paths), torch.device("cpu")
+    canonical = Canonical.of(sequence.template, sizes.seeds)
+    model = GenerativeModel(canonical, sizes)
+    pressed = sequence.garment - 0.4 * (sequence.garment - sequence.body.mean(axis=1, keepdims=True))  # into the body
+    frames = training_frames(replace(sequence, garment=pressed), canonical, sizes, cpu)
     chosen = torch.tensor([4, 9])
-    stage1_loss(model, None, None, frames, chosen, 0, config.stage1, torch.Generator())["total"].backward()
+    pose = frames.body.pose.at(chosen)
+    stage1_loss(model, None, frames.garments[chosen], pose, 0, config.stage1, torch.Generator())["total"].backward()
     _all_moved(model)
     model.requires_grad_(False)
-    dynamics = DynamicEncoder(config.model, len(model.canonical_seeds))
-    pressed = sequence.garment - 0.4 * (sequence.garment - sequence.body.mean(axis=1, keepdims=True))  # into the body
-    taught = teacher(model, training_frames(replace(sequence, garment=pressed), canonical, config.model, cpu), pressed,
-                     config.stage2, True)
-    inputs = inputs_at(model, taught, chosen, config.stage2, True)
+    dynamics = DynamicEncoder(sizes, len(model.canonical_seeds))
+    sample = Recorded(model, frames).at(chosen)
+    inputs = sample_inputs(model, sample, config.stage2, touches=True)
     assert inputs.strength.max() > 0
-    stage2_loss(model, dynamics, taught, chosen, inputs, config.stage2)["total"].backward()
+    stage2_loss(model, dynamics, sample, inputs, config.stage2)["total"].backward()
     _all_moved(dynamics)
 
 
