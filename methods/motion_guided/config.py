@@ -180,6 +180,8 @@ def _small(model: Model, sdf: Sdf, stage1_steps: int, stage2_steps: int) -> Conf
         sdf=sdf,
         stage1=Stage1(
             replace(quick, steps=stage1_steps, batch=1, learning_rate=1e-3),
+            edge_weight=0.1,
+            sdf_weight=1.0,
             posing=Posing(limb_angle=0.2, whole_angle=0.08, code_spread=1.5),
             random_every=4,
         ),
@@ -205,8 +207,8 @@ SIZES: dict[str, Config] = {
     "laptop": _small(
         Model(map_size=16, width=32, mlp_width=64, latent=64, seeds=100),
         _small_sdf(width=64, steps=1_500, batch=512),
-        stage1_steps=5_000,
-        stage2_steps=3_000,
+        stage1_steps=2_000,
+        stage2_steps=4_000,
     ),
     "paper": Config(),
 }
