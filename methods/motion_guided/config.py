@@ -158,7 +158,8 @@ class Collision:
     steps: int = 51
     """At most so many steps a frame (code); it ends early when nothing penetrates any more."""
     carry: bool = True
-    """The map and Adam's state go on to the next frame (code)."""
+    """The map and Adam's state go on to the next frame (code). Ours: False, since a stage that ends as soon as nothing
+    penetrates would keep what one frame needed for ever (0.71 against 0.61 cm in a trial)."""
 
 
 @dataclass(frozen=True)
@@ -189,7 +190,7 @@ def _small(model: Model, sdf: Sdf, stage1_steps: int, stage2_steps: int) -> Conf
             replace(quick, steps=stage2_steps, batch=2, learning_rate=1.5e-3),
             posing=Posing(limb_angle=0.1, whole_angle=0.05, code_spread=0.3),
         ),
-        collision=Collision(map_size=32),
+        collision=Collision(map_size=32, carry=False),
     )
 
 
