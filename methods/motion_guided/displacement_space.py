@@ -22,7 +22,8 @@ def set_displacement_space(model: GenerativeModel, canonical: Canonical, garment
     Smooth modes of the mesh, faint, are put beside the frames, so that the space is not only what they span.
 
     Args:
-        model: Its displacement space is set; a code of 1 is a component's standard deviation.
+        model: Its displacement space is set, scaled so that the training frames' codes have the mean square of 1 that
+            L_reg asks for.
         canonical: The canonical pose.
         garments: Training garments [m], shape (T, V, 3).
         pose: Their seeds.
@@ -34,8 +35,10 @@ def set_displacement_space(model: GenerativeModel, canonical: Canonical, garment
     rows = torch.cat([spread, to_tensor(modes, spread.device)])
     _, strength, basis = torch.linalg.svd(rows, full_matrices=False)
     count = model.options.latent
+    scaled = strength[:count, None].clamp_min(WEAKEST) * basis[:count]
+    codes = (displaced - mean).flatten(1) @ basis[:count].T / scaled.norm(dim=1)
     model.space_mean.copy_(mean)
-    model.space_basis.copy_(strength[:count, None].clamp_min(WEAKEST) * basis[:count])
+    model.space_basis.copy_(scaled * codes.square().mean().sqrt())
 
 
 def undo_pose(model: GenerativeModel, garments: Tensor, pose: Pose, iterations: int = 4) -> Tensor:

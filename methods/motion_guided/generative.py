@@ -8,12 +8,11 @@ from garmentbench.geometry.mesh import laplacian, tangent_frames
 from methods.motion_guided.canonical import Canonical
 from methods.motion_guided.config import Model
 from methods.motion_guided.descriptor import MapToVertex, VertexToMap, uv_encoding
-from methods.motion_guided.networks import Decoder, DisplacementMLP, Encoder, GeometryFeatures
+from methods.motion_guided.networks import Decoder, DisplacementMLP, Encoder, GeometryFeatures, make_faint
 from methods.motion_guided.skinning import blend_weights, blended_rotations, displace, seed_transforms, skin
 from methods.motion_guided.sparse import SparseMatrix
 
 FIRST_RADIUS = 0.05  # [m]
-FAINT = 0.1  # share of their usual size at which the networks' last layers begin beside a linear path
 PATH_UNIT = 0.1  # [m]
 
 
@@ -66,9 +65,8 @@ class GenerativeModel(nn.Module):
         self.register_buffer("space_mean", torch.zeros(vertices, 3))
         self.register_buffer("space_basis", torch.zeros(latent, 3 * vertices))
         self.path = nn.Linear(3 * int(self.to_map.mask.sum()) + 3 * seeds, latent)
-        for last in (self.encoder.linear, self.displacement_block.last[1]):
-            last.weight.data.mul_(FAINT)
-            last.bias.data.zero_()
+        make_faint(self.encoder.linear)
+        make_faint(self.displacement_block.last[1])
 
     def centre_descriptor(self, garments: Tensor, seeds: Tensor) -> None:
         """Set what is taken off the descriptor to its mean over training frames (option `centred_descriptor`)."""

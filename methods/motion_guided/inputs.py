@@ -9,6 +9,8 @@ from methods.motion_guided.descriptor import force_strength
 from methods.motion_guided.frames import Link, Pose
 from methods.motion_guided.generative import GenerativeModel
 
+PLACE_UNIT, STEP_UNIT = 0.1, 0.03  # [m], [m a frame]
+
 
 @dataclass(frozen=True)
 class Inputs:
@@ -19,12 +21,17 @@ class Inputs:
         motion: Map of velocity and acceleration at t - 1 [m a frame], shape (batch, 6, S, S).
         strength: Map of the interaction force, shape (batch, N, S, S); None where there is nothing to touch.
         normals: Seed normals at t, shape (batch, N, 3); None likewise.
+        place: Where the seeds are at t, and how they have moved since t - 1, in `PLACE_UNIT` and `STEP_UNIT`, shape
+            (batch, 6 N). Used with the option `Stage2.pose_path` only.
+        still_place: The same at t - 1 had nothing moved.
     """
 
     features: Tensor
     motion: Tensor
     strength: Tensor | None
     normals: Tensor | None
+    place: Tensor
+    still_place: Tensor
 
     def at(self, chosen: Tensor) -> "Inputs":
         """Some of the frames, by index."""
@@ -68,21 +75,30 @@ def past_of(third: Tensor, second: Tensor, last: Tensor, on: Link) -> Past:
 
 @torch.no_grad()
 def dynamic_inputs(
-    model: GenerativeModel, past: Past, before: Tensor, now: Pose, previous: Tensor | None, touches: bool
+    model: GenerativeModel, past: Past, before: Pose, now: Pose, on: Link, force_distance: str, touches: bool
 ) -> Inputs:
     """Inputs at frames t.
 
     Args:
         model: The trained generative model.
         past: The garment before.
-        before: Seeds at t - 1, in the coordinates of frame t - 1 [m], shape (batch, N, 3).
+        before: The body at t - 1.
         now: The body at t.
-        previous: Seeds at t - 1 in the coordinates of frame t, where the force fades with the distance to them (option
-            `Stage2.force_distance`), else None.
+        on: From the coordinates of frame t - 1 to those of frame t.
+        force_distance: The option of `Stage2`.
         touches: There is something to touch.
     """
-    features, motion = model.features(past.garment, before), model.to_map(past.motion)
+    features, motion = model.features(past.garment, before.seeds), model.to_map(past.motion)
+    previous = on(before.seeds)
+    place, still = flat_place(model, now.seeds, previous), flat_place(model, before.seeds, before.seeds)
     if not touches:
-        return Inputs(features, motion, None, None)
-    strength = force_strength(past.carried, now.seeds, now.normals, previous)
-    return Inputs(features, motion, model.to_map(strength), now.normals)
+        return Inputs(features, motion, None, None, place, still)
+    distance_to = previous if force_distance == "previous" else None
+    strength = force_strength(past.carried, now.seeds, now.normals, distance_to)
+    return Inputs(features, motion, model.to_map(strength), now.normals, place, still)
+
+
+def flat_place(model: GenerativeModel, seeds: Tensor, previous: Tensor) -> Tensor:
+    """`Inputs.place` of seeds now and before, in the coordinates of now [m], shape (batch, N, 3)."""
+    place, step = (seeds - model.mean_seeds) / PLACE_UNIT, (seeds - previous) / STEP_UNIT
+    return torch.cat([place, step], dim=1).flatten(1)

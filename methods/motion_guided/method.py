@@ -13,7 +13,7 @@ from garmentbench.method import BodyFrame, FitRun, History
 from garmentbench.sequence import Sequence, Template
 from methods.motion_guided.canonical import Canonical
 from methods.motion_guided.collision import CollisionStage, Residual
-from methods.motion_guided.config import VARIANTS, Config, config_for, config_from
+from methods.motion_guided.config import VARIANTS, Config, config_for, config_from, for_scene
 from methods.motion_guided.dynamics import DynamicEncoder
 from methods.motion_guided.frames import BodyFrames, body_frames, link
 from methods.motion_guided.generative import GenerativeModel
@@ -61,7 +61,7 @@ class MotionGuided:
     def fit(cls, train: Sequence, config: Config, run: FitRun) -> "MotionGuided":
         """Train on a sequence. Raises `UserError` where there is no body to be relative to."""
         torch.set_flush_denormal(True)  # denormal numbers slow C's convolutions sixfold
-        canonical = Canonical.of(train.template, config.model.seeds)
+        canonical, config = Canonical.of(train.template, config.model.seeds), for_scene(config, train.template.needs)
         generative, dynamics = train_stages(train, canonical, config, run, _device())
         return cls(canonical, config, generative, dynamics, train.template.needs.interaction_force)
 
@@ -79,7 +79,7 @@ class MotionGuided:
         canonical, weights = Canonical.load(folder / "canonical.npz"), load(folder / "weights.pt", _device())
         touches = any(name.startswith("motion_block.force") for name in weights["dynamics"])
         generative = GenerativeModel(canonical, config.model)
-        dynamics = DynamicEncoder(config.model, len(canonical.seeds.vertices) if touches else None)
+        dynamics = DynamicEncoder(config.model, len(canonical.seeds.vertices), touches, config.stage2.pose_path)
         for module, state in ((generative, weights["generative"]), (dynamics, weights["dynamics"])):
             module.to(_device()).requires_grad_(False).load_state_dict(state)
         return cls(canonical, config, generative, dynamics, touches)
@@ -120,10 +120,9 @@ class MotionGuided:
         return garment, State(garments, now, before, state.collision, residual)
 
     def _inputs(self, state: State, now: BodyFrames) -> Inputs:
-        before, on = state.body.pose.seeds, link(state.body, now)
+        on, distance = link(state.body, now), self.config.stage2.force_distance
         past = past_of(*(state.body.local(garment[None]) for garment in state.garments), on)
-        previous = on(before) if self.config.stage2.force_distance == "previous" else None
-        return dynamic_inputs(self.generative, past, before, now.pose, previous, self.touches)
+        return dynamic_inputs(self.generative, past, state.body.pose, now.pose, on, distance, self.touches)
 
     def _body(self, vertices: np.ndarray) -> BodyFrames:
         options = self.config.model

@@ -10,6 +10,7 @@ from torch import Tensor, nn
 from methods.motion_guided.first_layers import ForceConv, RelativeConv
 
 SLOPE, MLP_SLOPE = 0.2, 0.01  # of LeakyReLU after convolutions, and after linear layers
+FAINT = 0.1
 CODE_MAP = 2  # the encoders go down to 2 x 2 pixels
 
 
@@ -21,6 +22,12 @@ def encoder_widths(map_size: int, width: int) -> list[int]:
 def normalise(x: Tensor) -> Tensor:
     """What follows every convolution: instance norm (no affine, eps 1e-5) and LeakyReLU."""
     return F.leaky_relu(F.instance_norm(x, eps=1e-5), SLOPE)
+
+
+def make_faint(last: nn.Linear) -> None:
+    """Begin a network's last layer small and unbiased, beside a linear path that is solved already."""
+    last.weight.data.mul_(FAINT)
+    last.bias.data.zero_()
 
 
 class ConvStack(nn.Module):

@@ -4,16 +4,19 @@ import torch
 from torch import Tensor
 
 from garmentbench.method import FitRun
+from methods.motion_guided.closed_form import RIDGE, ridge
 from methods.motion_guided.config import Model, Stage2
 from methods.motion_guided.dynamics import DynamicEncoder
 from methods.motion_guided.generative import GenerativeModel
-from methods.motion_guided.inputs import Inputs, dynamic_inputs
+from methods.motion_guided.inputs import Inputs, dynamic_inputs, flat_place
 from methods.motion_guided.limbs import Limbs
 from methods.motion_guided.losses import dynamic_pair, latent_regulariser
 from methods.motion_guided.posing import RandomPoses
 from methods.motion_guided.samples import CHUNK, FIRST, Recorded, Reposed, Sample
 from methods.motion_guided.stage1 import TrainingFrames
 from methods.motion_guided.training import batch_at, generator, train
+
+POSES = 8  # random poses of each frame that the pose path is solved on
 
 
 def fit_stage2(
@@ -38,11 +41,14 @@ def fit_stage2(
     """
     torch.manual_seed(run.seed)
     device = frames.garments.device
-    dynamics = DynamicEncoder(sizes, len(model.canonical_seeds) if touches else None).to(device)
+    dynamics = DynamicEncoder(sizes, len(model.canonical_seeds), touches, options.pose_path).to(device)
     recorded, posing = Recorded(model, frames), options.posing
     varied = posing.limb_angle or posing.whole_angle or posing.code_spread
     reposed = Reposed(model, frames, recorded, RandomPoses(limbs, model.canonical_seeds, posing)) if varied else None
     cached = all_inputs(model, recorded, options, touches) if options.cache_inputs and not varied else None
+
+    if options.pose_path:
+        solve_pose_path(model, dynamics, recorded, reposed, run.seed)
 
     def loss(step: int) -> dict[str, Tensor]:
         t = FIRST + batch_at(step, options.training.batch, len(recorded) - FIRST, run.seed)
@@ -55,9 +61,24 @@ def fit_stage2(
 
 def sample_inputs(model: GenerativeModel, sample: Sample, options: Stage2, touches: bool) -> Inputs:
     """Teacher-forced inputs of samples."""
-    before = sample.before.seeds
-    previous = sample.on(before) if options.force_distance == "previous" else None
-    return dynamic_inputs(model, sample.past, before, sample.now, previous, touches)
+    s, distance = sample, options.force_distance
+    return dynamic_inputs(model, s.past, s.before, s.now, s.on, distance, touches)
+
+
+@torch.no_grad()
+def solve_pose_path(
+    model: GenerativeModel, dynamics: DynamicEncoder, recorded: Recorded, reposed: Reposed | None, seed: int
+) -> None:
+    """Set the pose path to the ridge regression of the codes on the seeds, over all frames in `POSES` random poses."""
+    t, places, codes = torch.arange(FIRST, len(recorded)), [], []
+    for k in range(POSES if reposed else 1):
+        for chunk in t.split(CHUNK):
+            sample = reposed.at(chunk, generator(seed, k, int(chunk[0]))) if reposed else recorded.at(chunk)
+            places.append(flat_place(model, sample.now.seeds, sample.on(sample.before.seeds)))
+            codes.append(sample.code)
+    weight, bias = ridge(torch.cat(places), torch.cat(codes), RIDGE)
+    dynamics.path_weight.copy_(weight)
+    dynamics.path_bias.copy_(bias)
 
 
 def all_inputs(model: GenerativeModel, recorded: Recorded, options: Stage2, touches: bool) -> Inputs:
@@ -73,7 +94,7 @@ def stage2_loss(
     found, code, garment, pose = dynamics(inputs), sample.code, sample.garment, [sample.now]
     kinds = 2 if options.virtual_sample else 1
     if options.virtual_sample:
-        found = torch.cat([found, dynamics.still(inputs.features)])
+        found = torch.cat([found, dynamics.still(inputs)])
         code, garment = torch.cat([code, sample.code_before]), torch.cat([garment, sample.past.garment])
         pose.append(sample.before)
     seeds, rotations = torch.cat([p.seeds for p in pose]), torch.cat([p.rotations for p in pose])
@@ -83,5 +104,5 @@ def stage2_loss(
         "code": kinds * dynamic_pair(found, code),
         "latent": kinds * latent_regulariser(found),
     }
-    total = options.pair_weight * (terms["geometry"] + terms["code"]) + options.latent_weight * terms["latent"]
-    return {"total": total, **terms}
+    pair = terms["geometry"] + options.code_weight * terms["code"]
+    return {"total": options.pair_weight * pair + options.latent_weight * terms["latent"], **terms}

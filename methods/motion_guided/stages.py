@@ -79,7 +79,7 @@ def _stage2(
     if not stage.finished:
         fit_stage2(generative, frames, limbs, config.model, config.stage2, touches, stage)
         stage.finish()
-    dynamics = DynamicEncoder(config.model, len(generative.canonical_seeds) if touches else None)
+    dynamics = DynamicEncoder(config.model, len(generative.canonical_seeds), touches, config.stage2.pose_path)
     dynamics.to(frames.garments.device).load_state_dict(load(stage.folder / WEIGHTS, frames.garments.device))
     return dynamics.requires_grad_(False)
 

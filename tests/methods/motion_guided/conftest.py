@@ -66,7 +66,7 @@ def tiny_config() -> Config:
         model=Model(8, 4, 8, 6, 12, axes="heading", output_scale=0.03, centred_descriptor=True, linear_paths=True),
         sdf=Sdf(layers=4, width=16, batch=16, training=few),
         stage1=Stage1(few, posing=Posing(0.1, 0.1, 1.0)),
-        stage2=Stage2(few, posing=Posing(0.1, 0.1, 0.3)),
+        stage2=Stage2(few, pose_path=True, posing=Posing(0.1, 0.1, 0.3)),
         collision=Collision(map_size=8),
     )
 

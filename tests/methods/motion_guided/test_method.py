@@ -98,7 +98,7 @@ def test_every_parameter_gets_a_gradient(sequence, config, linear_paths):
     stage1_loss(model, None, frames.garments[chosen], pose, 0, config.stage1, torch.Generator())["total"].backward()
     _all_moved(model)
     model.requires_grad_(False)
-    dynamics = DynamicEncoder(sizes, len(model.canonical_seeds))
+    dynamics = DynamicEncoder(sizes, len(model.canonical_seeds), touches=True, pose_path=linear_paths)
     sample = Recorded(model, frames).at(chosen)
     inputs = sample_inputs(model, sample, config.stage2, touches=True)
     assert inputs.strength.max() > 0
