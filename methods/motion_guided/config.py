@@ -77,7 +77,7 @@ class Posing:
     """... and of the whole body's."""
     code_spread: float = 0.0
     """Stage 1: standard deviation of the codes of the random garments in them. Stage 2: of what is added to the code of
-    the garment before, which the next is not to keep."""
+    the garment before, which the next is not to keep; needs `linear_paths`."""
 
 
 @dataclass(frozen=True)
@@ -251,10 +251,27 @@ def _from(kind: type, table: dict) -> Any:
     return kind(**values)
 
 
+def _networks_only(full: Config) -> Config:
+    """Without the linear paths and what goes with them: the blocks of the paper alone."""
+    if not full.model.linear_paths:
+        return full
+    stage1, stage2 = full.stage1, full.stage2
+    quick1 = replace(stage1.training, batch=2, learning_rate=4e-3)
+    quick2 = replace(stage2.training, learning_rate=1.5e-3)
+    return replace(
+        full,
+        model=replace(full.model, linear_paths=False),
+        stage1=replace(stage1, training=quick1, posing=Posing()),
+        stage2=replace(stage2, training=quick2, pose_path=False, code_weight=1.0, posing=Posing(), cache_inputs=True),
+    )
+
+
 VARIANTS: dict[str, Callable[[Config], Config]] = {
     "full": lambda full: full,
     "fixed_weights": lambda full: replace(full, model=replace(full.model, dynamic_weights=False)),
     "no_virtual_sample": lambda full: replace(full, stage2=replace(full.stage2, virtual_sample=False)),
+    "networks_only": _networks_only,
     "no_collision": lambda full: replace(full, collision=replace(full.collision, enabled=False)),
 }
-"""The full model and its ablations: each changes the full model's configuration."""
+"""The full model and its ablations: each changes the full model's configuration. At the paper's size "networks_only" is
+the full model."""

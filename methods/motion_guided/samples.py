@@ -73,12 +73,14 @@ class Reposed:
         whole, limbs = self.poses.draw(len(t), random)
         pose = [self.poses.turned(recorded.pose.at(t - k), whole, limbs) for k in (3, 2, 1, 0)]
         links = [_turned(recorded.links.at(t - k - 1), whole) for k in (2, 1, 0)]
-        drawn = torch.randn(len(t), model.options.latent, generator=random).to(whole.device)
-        offset = self.poses.options.code_spread * drawn
-        moved = (offset @ model.space_basis).unflatten(-1, (-1, 3))
-        displaced = [self.displaced[t - k] + (moved if k else 0) for k in (3, 2, 1, 0)]
+        displaced, code_before = [self.displaced[t - k] for k in (3, 2, 1, 0)], recorded.codes[t - 1]
+        if self.poses.options.code_spread:
+            drawn = torch.randn(len(t), model.options.latent, generator=random).to(whole.device)
+            offset = self.poses.options.code_spread * drawn
+            moved = (offset @ model.space_basis).unflatten(-1, (-1, 3))
+            displaced, code_before = [d + moved for d in displaced[:3]] + displaced[3:], code_before + offset
         garments = [model.pose(d, p.seeds, p.rotations) for d, p in zip(displaced, pose, strict=True)]
-        return _sample(garments, links, pose[2:], recorded.codes[t], recorded.codes[t - 1] + offset)
+        return _sample(garments, links, pose[2:], recorded.codes[t], code_before)
 
 
 @torch.no_grad()
