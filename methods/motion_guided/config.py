@@ -34,7 +34,7 @@ class Model:
     that carries the canonical normal to the present one (the code), which loses twist."""
     axes: str = "world"
     """Axes of the inputs: the "world"'s (paper and code); ours: those turned by the body's "heading" about the
-    vertical, so that where it heads changes nothing."""
+    vertical, so that where it heads changes nothing. An object has no heading."""
     output_scale: float = 1.0
     """Displacement [m] that an output of 1 of R means. Ours: 0.03, so that outputs are of order 1."""
     centred_descriptor: bool = False
@@ -233,8 +233,12 @@ def config_for(preset_name: str) -> Config:
 
 
 def for_scene(config: Config, needs: Needs) -> Config:
-    """The configuration without what a scene does not need."""
-    return replace(config, stage2=replace(config.stage2, pose_path=config.stage2.pose_path and needs.body))
+    """The configuration without what a scene does not need: a heading and a pose path are a human body's."""
+    if needs.body:
+        return config
+    return replace(
+        config, model=replace(config.model, axes="world"), stage2=replace(config.stage2, pose_path=False)
+    )
 
 
 def config_from(table: dict) -> Config:

@@ -45,6 +45,7 @@ def test_beside_an_object_there_is_no_sdf_no_collision_stage_and_one_radius(obje
     assert "sdf" not in store.list({"kind": "stage1"})[0].metrics()[0]
     assert method.generative.log_radii.shape == (1,)
     assert not method.config.stage2.pose_path and config.stage2.pose_path
+    assert method.config.model.axes == "world" and config.model.axes == "heading"
     state = method.begin(object_sequence.template, History.before(object_sequence, 3))
     garment, state = method.step(state, BodyFrame(object_sequence.body[3]))
     assert np.isfinite(garment).all()
