@@ -138,7 +138,7 @@ def _work(job: Job, inputs: list) -> Any:
     with progress.listening(lambda label, done, total: _reports.put((job.label, label, done, total))):
         try:
             return job.call(*inputs, *job.arguments)
-        except Exception as e:
+        except Exception as e:  # handed to the parent, which says so and exits with an error
             return Failure(job.label, f"{type(e).__name__}: {e}")
 
 

@@ -8,12 +8,9 @@ from typing import Any
 from evals.jobs import Failure
 from garmentbench.atomic import write_text
 from garmentbench.presets import Preset
+from garmentbench.report.results import COLUMNS
 from garmentbench.scene import Scene
 
-COLUMNS = (
-    "preset experiment scene split garment motion body method variant train_frames seed metric horizon value unit "
-    "reference_value uncertainty status first_bad_frame run_id"
-).split()
 
 
 def about(table: str, preset: Preset, scene: Scene, method: str, variant: str, train_frames: int | None, seed: int) -> dict:

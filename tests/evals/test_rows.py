@@ -6,8 +6,9 @@ import pandas
 import pytest
 
 from evals.jobs import Failure
-from evals.rows import COLUMNS, about, failed_row, merged, with_skill, write_results
+from evals.rows import about, failed_row, merged, with_skill, write_results
 from garmentbench.presets import PRESETS
+from garmentbench.report.results import COLUMNS
 from garmentbench.scene import load_scene
 
 SCENE = load_scene("tshirt-armspace-90")
