@@ -19,7 +19,7 @@ data: $(BIN)/.installed
 	$(RUN) evals --preset $(PRESET) --data-only
 
 # One ablation and the full model beside it, on the same experiment: make ablation-fixed-weights, -no-virtual-sample,
-# -no-collision, -networks-only, -train-length.
+# -no-collision, -linear-paths, -train-length.
 ablation-%: $(BIN)/.installed
 	$(RUN) evals ablation-$* --preset $(PRESET) --seeds $(SEEDS)
 

@@ -1,7 +1,7 @@
 """The named ablations, each beside the full model on the main table's experiment.
 
-The first three follow figures 7, 8 and 10 of the paper, the last is its Table 4. "networks-only" takes away what we
-add to the paper's blocks at the small sizes (linear paths and the posing that goes with them).
+The first three follow figures 7, 8 and 10 of the paper, the last is its Table 4. "linear-paths" adds to the
+paper's blocks what makes them generalise like linear regression (ours).
 """
 
 from dataclasses import replace
@@ -18,7 +18,7 @@ ABLATIONS = (
     _ablation("fixed-weights", Entry("motion_guided", "fixed_weights")),
     _ablation("no-virtual-sample", Entry("motion_guided", "no_virtual_sample")),
     _ablation("no-collision", Entry("motion_guided", "no_collision")),
-    _ablation("networks-only", Entry("motion_guided", "networks_only")),
+    _ablation("linear-paths", Entry("motion_guided", "linear_paths")),
     _ablation(
         "train-length",
         *(Entry("motion_guided", train_frames=n) for n in (50, 150, 900)),

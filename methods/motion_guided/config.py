@@ -183,23 +183,14 @@ class Config:
 
 def _small(model: Model, sdf: Sdf, stage1_steps: int, stage2_steps: int) -> Config:
     """A size at which training takes minutes, with what the trials showed to help there."""
-    quick = Training(schedule="one_cycle")
+    quick = Training(schedule="one_cycle", batch=2)
     return Config(
-        model=replace(model, axes="heading", output_scale=0.03, centred_descriptor=True, linear_paths=True),
+        model=replace(model, axes="heading", output_scale=0.03, centred_descriptor=True),
         sdf=sdf,
         stage1=Stage1(
-            replace(quick, steps=stage1_steps, batch=1, learning_rate=1e-3),
-            edge_weight=0.1,
-            sdf_weight=1.0,
-            posing=Posing(limb_angle=0.2, whole_angle=0.08, code_spread=3.0),
-            random_every=4,
+            replace(quick, steps=stage1_steps, learning_rate=4e-3), edge_weight=0.1, sdf_weight=1.0, random_every=4
         ),
-        stage2=Stage2(
-            replace(quick, steps=stage2_steps, batch=2, learning_rate=5e-4),
-            pose_path=True,
-            code_weight=0.003,
-            posing=Posing(limb_angle=0.3, whole_angle=0.15),
-        ),
+        stage2=Stage2(replace(quick, steps=stage2_steps, learning_rate=1.5e-3), cache_inputs=True),
         collision=Collision(map_size=32, carry=False),
     )
 
@@ -218,8 +209,8 @@ SIZES: dict[str, Config] = {
     "laptop": _small(
         Model(map_size=16, width=32, mlp_width=64, latent=64, seeds=100),
         _small_sdf(width=64, steps=1_500, batch=512),
-        stage1_steps=1_500,
-        stage2_steps=1_500,
+        stage1_steps=3_000,
+        stage2_steps=2_500,
     ),
     "paper": Config(),
 }
@@ -255,18 +246,25 @@ def _from(kind: type, table: dict) -> Any:
     return kind(**values)
 
 
-def _networks_only(full: Config) -> Config:
-    """Without the linear paths and what goes with them: the blocks of the paper alone."""
-    if not full.model.linear_paths:
-        return full
+def _with_linear_paths(full: Config) -> Config:
+    """With the linear paths, the random poses that they are solved on, and the gentler training that they need."""
     stage1, stage2 = full.stage1, full.stage2
-    quick1 = replace(stage1.training, batch=2, learning_rate=4e-3)
-    quick2 = replace(stage2.training, learning_rate=1.5e-3)
+    gentle1 = replace(stage1.training, batch=1, learning_rate=stage1.training.learning_rate / 4)
+    gentle2 = replace(stage2.training, learning_rate=stage2.training.learning_rate / 3)
     return replace(
         full,
-        model=replace(full.model, linear_paths=False),
-        stage1=replace(stage1, training=quick1, posing=Posing()),
-        stage2=replace(stage2, training=quick2, pose_path=False, code_weight=1.0, posing=Posing(), cache_inputs=True),
+        model=replace(full.model, linear_paths=True),
+        stage1=replace(
+            stage1, training=gentle1, posing=Posing(limb_angle=0.2, whole_angle=0.08, code_spread=3.0)
+        ),
+        stage2=replace(
+            stage2,
+            training=gentle2,
+            pose_path=True,
+            code_weight=0.003,
+            posing=Posing(limb_angle=0.3, whole_angle=0.15),
+            cache_inputs=False,
+        ),
     )
 
 
@@ -274,8 +272,8 @@ VARIANTS: dict[str, Callable[[Config], Config]] = {
     "full": lambda full: full,
     "fixed_weights": lambda full: replace(full, model=replace(full.model, dynamic_weights=False)),
     "no_virtual_sample": lambda full: replace(full, stage2=replace(full.stage2, virtual_sample=False)),
-    "networks_only": _networks_only,
     "no_collision": lambda full: replace(full, collision=replace(full.collision, enabled=False)),
+    "linear_paths": _with_linear_paths,
 }
-"""The full model and its ablations: each changes the full model's configuration. At the paper's size "networks_only" is
-the full model."""
+"""The full model, its ablations, and what closed-form linear paths would add to it (ours, not the paper's): each changes
+the full model's configuration."""

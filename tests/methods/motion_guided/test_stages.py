@@ -32,8 +32,8 @@ def test_variants_share_all_stages_that_they_do_not_change(sequence, config, tmp
         "full": (1, 1, 1),
         "fixed_weights": (1, 2, 2),
         "no_virtual_sample": (1, 2, 3),
-        "networks_only": (1, 3, 4),
-        "no_collision": (1, 3, 4),
+        "no_collision": (1, 2, 3),
+        "linear_paths": (1, 3, 4),
     }
 
 
