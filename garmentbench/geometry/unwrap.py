@@ -1,0 +1,68 @@
+"""UV coordinates for a mesh that has none, by xatlas (the optional extra `xatlas`)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from garmentbench.errors import UserError
+
+_TEXELS = 1024  # a side of the map that charts are packed for
+_PADDING = 4  # texels between two charts: a 128 x 128 map keeps them half a texel apart
+
+
+@dataclass(frozen=True)
+class Unwrapped:
+    """A mesh cut open into charts. Vertices keep their numbers; copies at the cuts come after them.
+
+    Attributes:
+        source: The vertex of the mesh as it was that each vertex stands for, shape (V2,), int64; 0 .. V-1 at first.
+        faces: Triangles in the order they were, shape (F, 3), int32.
+        uv: UV coordinates in [0, 1], shape (V2, 2), float32; (0, 0) for a vertex without a face.
+        seams: Pairs of vertices that are the same point, shape (S, 2), int32: each copy and the vertex it was made from.
+    """
+
+    source: np.ndarray
+    faces: np.ndarray
+    uv: np.ndarray
+    seams: np.ndarray
+
+
+def unwrap(positions: np.ndarray, faces: np.ndarray) -> Unwrapped:
+    """Cut a mesh into charts that lie side by side in the unit square without overlap.
+
+    Weld the mesh first: xatlas cuts it wherever two faces do not share their vertices.
+
+    Args:
+        positions: Vertices, in any unit, shape (V, 3), finite.
+        faces: Triangles, shape (F, 3).
+
+    Raises `UserError` where xatlas is not installed, or can't unwrap the mesh.
+    """
+    try:
+        import xatlas
+    except ModuleNotFoundError:
+        raise UserError("xatlas is not installed, and it makes UV; pip install 'garmentbench[xatlas]'") from None
+    size = np.ptp(positions, axis=0).max()  # xatlas has limits of its own, in the mesh's unit
+    atlas, packing = xatlas.Atlas(), xatlas.PackOptions()
+    packing.padding, packing.resolution = _PADDING, _TEXELS
+    try:
+        atlas.add_mesh((positions / (size or 1.0)).astype(np.float32), faces.astype(np.uint32))
+        atlas.generate(xatlas.ChartOptions(), packing)
+        source, corners, uv = atlas[0]
+    except (RuntimeError, ValueError) as e:
+        raise UserError(f"xatlas can't unwrap the mesh ({e}); repair it first: garmentbench check FILE --fix OUT") from e
+    return _in_order(len(positions), source.astype(np.int64), corners, uv)
+
+
+def _in_order(count: int, source: np.ndarray, corners: np.ndarray, uv: np.ndarray) -> Unwrapped:
+    """Give the first copy of each of the `count` vertices that vertex's own number, and number the others after them."""
+    used, first = np.unique(source, return_index=True)
+    number = np.full(len(source), -1)
+    number[first] = used
+    copies = np.flatnonzero(number < 0)
+    number[copies] = count + np.arange(len(copies))
+    placed = np.zeros((count + len(copies), 2), np.float32)
+    placed[number] = np.clip(uv, 0.0, 1.0)
+    sources = np.concatenate([np.arange(count), source[copies]])
+    seams = np.stack([source[copies], number[copies]], axis=1)
+    return Unwrapped(sources, number[corners].astype(np.int32), placed, seams.astype(np.int32))
