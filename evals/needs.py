@@ -1,7 +1,7 @@
 """What a scene does not need is not built. Here it is built all the same, once, to say what leaving it out saves.
 
-A sequence without a human body is given one in name only: its object is called human and its vertices get part labels.
-Then everything that depends on a human body is built and runs. The two are trained for a few steps (sizes and times do
+A sequence without a human body is given one in name only: its object, or its inner garment, is called human and its
+vertices get part labels. Then everything that depends on a human body is built and runs. The two are trained for a few steps (sizes and times do
 not depend on what was learnt) and compared. Nothing of this touches the other experiments.
 """
 
@@ -36,16 +36,17 @@ def left_out(path: Path, preset: Preset) -> list[dict]:
     """
     sequence = sequence_file.load(path, FRAMES)
     needs = sequence.template.needs
-    if needs.body and needs.part_radii and needs.collision_stage:
+    if needs.body and needs.part_radii and needs.collision_stage and needs.interpenetration:
         return [_row("nothing", 0, "parameters")]
     lean, whole = _build(sequence, preset), _build(_as_human(sequence), preset)
-    return [
-        _row("part_radii", whole.radii - lean.radii, "parameters"),
-        _row("SDF_0", whole.sdf_parameters - lean.sdf_parameters, "parameters"),
-        _row("SDF_0", whole.sdf_mb - lean.sdf_mb, "MB"),
-        _row("collision_stage", whole.collide_ms - lean.collide_ms, "ms"),
-        _row("interpenetration_metrics", whole.measure_ms - lean.measure_ms, "ms"),
+    rows = [
+        (needs.part_radii, _row("part_radii", whole.radii - lean.radii, "parameters")),
+        (needs.body, _row("SDF_0", whole.sdf_parameters - lean.sdf_parameters, "parameters")),
+        (needs.body, _row("SDF_0", whole.sdf_mb - lean.sdf_mb, "MB")),
+        (needs.collision_stage, _row("collision_stage", whole.collide_ms - lean.collide_ms, "ms")),
+        (needs.interpenetration, _row("interpenetration_metrics", whole.measure_ms - lean.measure_ms, "ms")),
     ]
+    return [row for needed, row in rows if not needed]
 
 
 @dataclass(frozen=True)

@@ -84,7 +84,7 @@ def _measures(roll: RollOut, sequence: Sequence) -> dict[str, tuple[float, float
         "jitter": 0.0,
         "liveliness": 1.0,
     }
-    if template.needs.body:
+    if template.needs.interpenetration:
         own |= _own_penetration(reference, body, template.body.faces, sequence.info)
         if roll.before_collision is not None:
             own["interpenetration_before"] = own["interpenetration"]
@@ -96,7 +96,7 @@ def _measures(roll: RollOut, sequence: Sequence) -> dict[str, tuple[float, float
         "jitter": jitter(predicted, reference, template.fps),
         "liveliness": liveliness(predicted, reference, body, garment.rest, garment.faces),
     }
-    if template.needs.body:
+    if template.needs.interpenetration:
         found |= _penetration(predicted, body, template.body.faces)
         if roll.before_collision is not None:
             before = roll.before_collision[frames]

@@ -11,7 +11,7 @@ from garmentbench.errors import UserError
 from garmentbench.fingerprint import content_hash, fingerprint
 from garmentbench.paths import BODIES, GARMENTS, sequence_path
 from garmentbench.presets import Preset
-from garmentbench.scene import Scene, load_scene
+from garmentbench.scene import Scene, inner_scene, load_scene
 from garmentbench.sequence import Needs, Sequence, Template
 from garmentbench.sequence_layout import KIND, REMAKE, SCHEMA
 
@@ -35,19 +35,35 @@ def make_sequence(scene_name: str, preset: Preset) -> Path:
 
 
 def sequence_identity(scene: Scene, preset: Preset) -> str:
-    """Hash of all that decides a reference sequence."""
-    assets = [GARMENTS / f"{scene.garment}-{preset.name}.npz", *sorted(BODIES.glob(f"*-{preset.body_size}.npz"))]
-    code = fingerprint("garmentbench.simulation.simulate", *(p for p in assets if p.is_file()))
-    return content_hash({"scene": scene, "preset": preset, "code": code})
+    """Hash of all that decides a reference sequence: the scene, those beneath it, their assets and the code."""
+    inner = inner_scene(scene)
+    code = fingerprint("garmentbench.simulation.simulate", *_assets(scene, preset))
+    beneath = None if inner is None else sequence_identity(inner, preset)
+    return content_hash({"scene": replace(scene, worn_over=None), "beneath": beneath, "preset": preset, "code": code})
+
+
+def _assets(scene: Scene, preset: Preset) -> list[Path]:
+    """The files that a scene is made from: its garment, its body and the body shape that the warm-up begins in."""
+    from garmentbench.motion.human import DRESSED
+    from garmentbench.motion.stick import STICK
+
+    shapes = () if scene.body == STICK else sorted({scene.body, DRESSED})
+    bodies = (BODIES / f"{shape}-{preset.body_size}.npz" for shape in shapes)
+    return [p for p in (GARMENTS / f"{scene.garment}-{preset.name}.npz", *bodies) if p.is_file()]
 
 
 def scene_template(scene: Scene, preset: Preset) -> Template:
     """What does not move in a scene, without simulating it. Raises `UsageError` for an unknown garment or body."""
     from garmentbench.bodies import load_body
     from garmentbench.garments import load_garment
-    from garmentbench.motion.stick import stick
+    from garmentbench.layers import as_body
+    from garmentbench.motion.stick import STICK, stick
 
-    body = stick() if scene.body == "stick" else load_body(scene.body, preset.body_size).body
+    inner = inner_scene(scene)
+    if inner is not None:
+        body = as_body(load_garment(inner.garment, preset.name))
+    else:
+        body = stick() if scene.body == STICK else load_body(scene.body, preset.body_size).body
     return Template(load_garment(scene.garment, preset.name), body, scene.fps)
 
 
@@ -77,7 +93,7 @@ def _simulated(scene: Scene, preset: Preset) -> Sequence:
     device = "cuda:0" if has_cuda() else "cpu"
     sequence = simulate(scene, preset, device)
     info = sequence.info | {"uncertainty": measure_uncertainty(scene, preset, sequence, device=device)}
-    if sequence.template.needs.body:
+    if sequence.template.needs.interpenetration:
         info["interpenetration"] = _own_interpenetration(sequence)
     return replace(sequence, info=info)
 

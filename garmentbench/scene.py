@@ -42,6 +42,8 @@ class Scene:
         material: Departures from the default material, by the names of `simulation.Material`.
         simulation: Departures from the default solver settings, by the names of `simulation.Settings`;
             also `start_noise` [m], the size of a random push of the garment at the start.
+        worn_over: The scene of the garment beneath, which is simulated first and then touched like the body; None where
+            the skin is beneath.
     """
 
     name: str
@@ -53,6 +55,7 @@ class Scene:
     fps: float = 30.0
     material: dict[str, float] = field(default_factory=dict)
     simulation: dict[str, float] = field(default_factory=dict)
+    worn_over: str | None = None
 
 
 def scene_names() -> list[str]:
@@ -62,6 +65,31 @@ def scene_names() -> list[str]:
 
 def load_scene(name: str) -> Scene:
     """Read a scene by its name, or by the path of a TOML file. Raises `UserError` naming what is wrong and where."""
+    scene = _read(name)
+    if scene.worn_over is not None:
+        _check_layers(scene, _read(scene.worn_over))
+    return scene
+
+
+def inner_scene(scene: Scene) -> Scene | None:
+    """The scene of the garment that this one is worn over; None where it is worn on the skin."""
+    return None if scene.worn_over is None else load_scene(scene.worn_over)
+
+
+def _check_layers(outer: Scene, inner: Scene) -> None:
+    """Raises `UserError` unless two scenes are of one body in one motion, long enough to wear one over the other."""
+    where = f"scene {outer.name} is worn over {inner.name}"
+    if inner.worn_over is not None:
+        raise UserError(f"{where}, itself worn over {inner.worn_over}; wanted two layers, the inner one on the skin")
+    for part in ("body", "motion", "fps"):
+        mine, its = getattr(outer, part), getattr(inner, part)
+        if mine != its:
+            raise UserError(f"{where}: {part} is {mine}, that of {inner.name} {its}; make them the same")
+    if inner.frames < outer.frames:
+        raise UserError(f"{where}: {outer.frames} frames over {inner.frames}; wanted at least as many beneath")
+
+
+def _read(name: str) -> Scene:
     path = Path(name) if name.endswith(".toml") else SCENES / f"{name}.toml"
     if not path.is_file():
         raise unknown_name("scene", name, scene_names())
@@ -82,6 +110,10 @@ def _scene(path: Path, table: dict) -> Scene:
         names = [f.name for f in fields(known) if f.name not in ("name", "motion")] + (["name"] if known is Motion else [])
         if key not in names:
             raise UserError(f"{path}: {unknown_name(kind, key, names)}")
+    if not isinstance(table.get("worn_over"), str | None):
+        raise UserError(f"{path}: worn_over is {table['worn_over']!r}; wanted the name of a scene")
+    if str(table.get("worn_over")).endswith(".toml"):
+        table["worn_over"] = str(path.parent / table["worn_over"])
     if "translate" in motion:
         motion["translate"] = tuple(motion["translate"])
     try:

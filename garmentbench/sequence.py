@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-HUMAN, OBJECT = "human", "object"
+HUMAN, OBJECT, GARMENT = "human", "object", "garment"
 
 
 @dataclass(frozen=True)
@@ -34,15 +34,16 @@ class Garment:
 
 @dataclass(frozen=True)
 class Body:
-    """The template of what the garment is worn by or touches: a human body, or a rigid object such as a stick.
+    """The template of what the garment is worn by or touches: a human body, a rigid object such as a stick, or the
+    garment beneath, when it is worn over one.
 
     Attributes:
-        name: Name, e.g. "base" or "stick".
+        name: Name, e.g. "base", "stick" or "dress".
         rest: Rest (canonical pose) positions [m], shape (B, 3), float32.
-        faces: Triangles, shape (K, 3), int32, outward orientation.
+        faces: Triangles, shape (K, 3), int32, outward orientation. A garment is open: it has borders.
         labels: Body part of each vertex, shape (B,), int8, index into `part_names`; None where there are no parts.
         part_names: Names of the parts, e.g. ("upper_body", "fore_arm", "rear_arm", "thigh", "calf").
-        kind: "human" or "object".
+        kind: "human", "object" or "garment".
     """
 
     name: str
@@ -58,16 +59,19 @@ class Needs:
     """What a scene needs; nothing else is built, computed, stored or reported for it.
 
     Attributes:
-        body: There is a human body: interpenetration and its SDF mean something.
+        body: There is a human body: it has a heading, and an inside with an SDF.
         interaction_force: There is something to touch.
         part_radii: The body has named parts, so that a kernel radius per part can be learnt (else one radius).
-        collision_stage: There is a closed human body to be pushed out of.
+        interpenetration: What is touched has a side that cloth must not be on: a skin, or the garment beneath. How much
+            is there is measured.
+        collision_stage: ... and the garment is pushed back from there.
         pins: Some vertices are held by the collider.
     """
 
     body: bool
     interaction_force: bool
     part_radii: bool
+    interpenetration: bool
     collision_stage: bool
     pins: bool
 
@@ -82,12 +86,14 @@ class Template:
 
     @cached_property
     def needs(self) -> Needs:
-        human = self.body is not None and self.body.kind == HUMAN
+        kind = None if self.body is None else self.body.kind
+        human, worn = kind == HUMAN, kind in (HUMAN, GARMENT)
         return Needs(
             body=human,
-            interaction_force=self.body is not None,
+            interaction_force=kind is not None,
             part_radii=human and self.body.labels is not None,
-            collision_stage=human,
+            interpenetration=worn,
+            collision_stage=worn,
             pins=len(self.garment.pins) > 0,
         )
 
@@ -102,7 +108,7 @@ class Sequence:
         body: Body positions [m], shape (T, B, 3); None where there is no body.
         info: Names and provenance, plain JSON values: scene, split, motion, preset, and where simulated `simulation`
             (settings, substeps, strain, ms_per_frame), `uncertainty` {"doubling_cm", "perturbed_cm", "cm", "frames"},
-            `interpenetration` {"vertex_percent", "strict_percent", "depth_p95_mm"} (absent without a human body).
+            `interpenetration` {"vertex_percent", "strict_percent", "depth_p95_mm"} (where the template needs it).
     """
 
     template: Template

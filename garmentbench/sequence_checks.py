@@ -4,7 +4,7 @@ from garmentbench.array_checks import (
     Check, closed, finite, frame_scale, indices, mesh, not_empty, scale, seams, starts_inside, uv,
 )
 from garmentbench.problem import Problem, errors
-from garmentbench.sequence import HUMAN, OBJECT
+from garmentbench.sequence import GARMENT, HUMAN, OBJECT
 from garmentbench.sequence_layout import ARRAYS, COUNTED, OPTIONAL, REMAKE, Contents
 
 
@@ -48,8 +48,8 @@ def value_problems(contents: Contents, unusable: frozenset[str] = frozenset()) -
         bad = {p.where for p in errors(problems)}
         if all(name in good and name not in bad for name in needed):
             problems += check(good)
-    if contents.names.kind == HUMAN and not errors(problems) and not unusable:
-        problems += closed(good) + starts_inside(good)
+    if contents.names.kind in (HUMAN, GARMENT) and not errors(problems) and not unusable:
+        problems += (closed(good) if contents.names.kind == HUMAN else []) + starts_inside(good)
     return problems
 
 
@@ -64,8 +64,8 @@ def _rate_and_kind(contents: Contents) -> list[Problem]:
     problems = []
     if not 0 < contents.fps < 1e4:
         problems.append(Problem("attribute fps", f"{contents.fps:g}, wanted frames a second", REMAKE))
-    if contents.has_body and contents.names.kind not in (HUMAN, OBJECT):
-        what = f"'{contents.names.kind}', wanted '{HUMAN}' or '{OBJECT}'"
+    if contents.has_body and contents.names.kind not in (HUMAN, OBJECT, GARMENT):
+        what = f"'{contents.names.kind}', wanted '{HUMAN}', '{OBJECT}' or '{GARMENT}'"
         problems.append(Problem("body attribute kind", what, REMAKE))
     return problems
 

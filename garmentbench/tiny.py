@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from garmentbench.sequence import HUMAN, OBJECT, Body, Garment, Sequence, Template
+from garmentbench.sequence import GARMENT, HUMAN, OBJECT, Body, Garment, Sequence, Template
 
 _ROWS, _COLUMNS = 7, 14
 _RADII = np.array([0.20, 0.16, 0.80])  # of the ellipsoid [m]
@@ -13,7 +13,7 @@ def tiny_sequence(frames: int = 30, kind: str | None = HUMAN, fps: float = 30.0,
 
     Args:
         frames: Its length.
-        kind: "human" (a body with two parts), "object" (no parts), or None (no body at all).
+        kind: "human" (a body with two parts), "object" (no parts), "garment" (an open tube beneath), or None (no body at all).
         fps: Frames a second.
         phase: Where the swaying begins [rad]: another phase, another sequence.
     """
@@ -52,7 +52,7 @@ def _tube() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _ellipsoid(kind: str | None) -> Body | None:
-    """A closed ellipsoid with outward faces."""
+    """An ellipsoid with outward faces; closed, but a garment is open at both ends."""
     if kind is None:
         return None
     rings, around = 13, 12
@@ -63,10 +63,11 @@ def _ellipsoid(kind: str | None) -> Body | None:
     side, corner, up = np.roll(grid, -1, axis=1), grid[:-1].ravel(), grid[1:].ravel()
     right, above = side[:-1].ravel(), side[1:].ravel()
     bottom, top = np.full(around, len(inner)), np.full(around, len(inner) + 1)
-    faces = np.concatenate([
-        np.stack([corner, right, up], 1), np.stack([right, above, up], 1),
-        np.stack([side[0], grid[0], bottom], 1), np.stack([grid[-1], side[-1], top], 1),
-    ]).astype(np.int32)
+    wall = [np.stack([corner, right, up], 1), np.stack([right, above, up], 1)]
+    caps = [np.stack([side[0], grid[0], bottom], 1), np.stack([grid[-1], side[-1], top], 1)]
+    faces = np.concatenate(wall + caps).astype(np.int32)
+    if kind == GARMENT:
+        return Body("ellipsoid", rest[: len(inner)], faces[: 2 * len(corner)], kind=GARMENT)
     if kind == OBJECT:
         return Body("ellipsoid", rest, faces, kind=OBJECT)
     return Body("ellipsoid", rest, faces, (rest[:, 2] > 0).astype(np.int8), ("lower", "upper"), HUMAN)

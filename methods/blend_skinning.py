@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from garmentbench.geometry.seeds import SeedPoints, seed_frames, seed_points, select_seeds
-from garmentbench.sequence import Template
+from garmentbench.sequence import OBJECT, Template
 from methods.seed_features import root_map
 
 RADIUS = 0.05  # [m] of the Gaussian kernel, where the paper's learnt radii start
@@ -33,7 +33,7 @@ class Skin:
     ) -> "Skin":
         """A skin of at most `count` seed points, or of given body `vertices`, shape (N,).
 
-        With `upright_objects`, an object that is no human body is taken for its upright root alone.
+        With `upright_objects`, a rigid object is taken for its upright root alone.
 
         Weights are a softmax over the seeds of -d^2 / (2 radius^2), d between rest garment and rest seed (the blend
         weights of section 4.2 of Zhang et al. 2022, fixed and with one radius).
@@ -44,7 +44,7 @@ class Skin:
         seeds = select_seeds(template, count) if vertices is None else seed_points(body.rest, body.faces, vertices)
         squared = np.sum((rest[:, None] - seeds.rest[None]) ** 2, axis=-1)
         kernel = np.exp((squared.min(axis=1, keepdims=True) - squared) / (2 * RADIUS**2))
-        upright = upright_objects and not template.needs.body
+        upright = upright_objects and body.kind == OBJECT
         return cls(seeds, (kernel / kernel.sum(axis=1, keepdims=True)).astype(np.float32), rest, upright)
 
     def blend(self, body: np.ndarray | None) -> np.ndarray:

@@ -42,7 +42,7 @@ def _show(scene) -> None:
     from garmentbench.presets import preset
 
     for key, value in asdict(scene).items():
-        if value != {}:
+        if value not in ({}, None):
             print(f"{key}: {value}")
     needs = asdict(scene_needs(scene, preset("smoke")))  # which size does not matter
     print("needs: " + (", ".join(k for k, v in needs.items() if v) or "nothing besides the garment"))

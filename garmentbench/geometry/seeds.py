@@ -8,9 +8,9 @@ from scipy.sparse.csgraph import dijkstra
 
 from garmentbench.geometry.mesh import edge_lengths, normalised, unique_edges
 from garmentbench.geometry.nearest import nearest_vertices
-from garmentbench.sequence import HUMAN, Template
+from garmentbench.sequence import OBJECT, Template
 
-REACH = 0.15  # [m] A human body farther than this from the rest garment neither touches it nor carries it.
+REACH = 0.15  # [m] A body or inner garment farther than this from the rest garment neither touches it nor carries it.
 
 
 @dataclass(frozen=True)
@@ -37,12 +37,12 @@ class SeedPoints:
 def select_seeds(template: Template, count: int) -> SeedPoints:
     """Geodesic farthest-point samples of the body, at most `count`, of what the garment can touch or follow.
 
-    On a human that is what lies within `REACH` of the rest garment; on an object, everything. Geodesic distance is
-    measured along mesh edges. Deterministic. Source: section 4.1 of Zhang et al. 2022.
+    On an object that is everything; on a human or a garment, what lies within `REACH` of the rest garment. Geodesic
+    distance is measured along mesh edges. Deterministic. Source: section 4.1 of Zhang et al. 2022.
     """
     body = template.body
     allowed = np.arange(len(body.rest))
-    if body.kind == HUMAN:
+    if body.kind != OBJECT:
         distance, _ = nearest_vertices(body.rest, template.garment.rest)
         allowed = np.flatnonzero(distance < REACH)
     vertices = farthest_points(body.rest, body.faces, allowed, count)

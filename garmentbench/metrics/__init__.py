@@ -10,7 +10,7 @@ class Metric:
     Attributes:
         name: As in results.csv.
         unit: Its unit.
-        needs_body: It means something only on a human body; elsewhere it has no row.
+        needs_body: It means something only on a skin or an inner garment; elsewhere it has no row.
         module: The module that explains it.
         best: "low", "high", or "one" (the nearer to 1 the better).
     """

@@ -3,7 +3,7 @@
 from garmentbench.motion.animation import Animation
 from garmentbench.motion.gait import GAITS
 from garmentbench.motion.human import animate_human
-from garmentbench.motion.stick import animate_stick, stick_motions
+from garmentbench.motion.stick import STICK, animate_stick, stick_motions
 from garmentbench.presets import Preset
 from garmentbench.scene import Scene
 
@@ -21,6 +21,6 @@ def animate(scene: Scene, preset: Preset) -> Animation:
     Raises `UsageError` for an unknown body, or a motion that this body does not have.
     """
     frames = scene.frames if preset.frame_limit is None else min(scene.frames, preset.frame_limit)
-    if scene.body == "stick":
+    if scene.body == STICK:
         return animate_stick(scene, frames)
     return animate_human(scene, preset.body_size, frames)

@@ -14,6 +14,7 @@ from garmentbench.motion.placing import place, played_frames
 from garmentbench.scene import Scene
 from garmentbench.sequence import OBJECT, Body
 
+STICK = "stick"  # a scene's `body`
 RADIUS = 0.035  # [m]
 LENGTH = 0.64  # [m], of the cylinder between the round ends
 HEIGHT = 1.2  # [m], of the axis at rest
@@ -59,7 +60,7 @@ def stick() -> Body:
         points += [(x, radius * np.cos(a), radius * np.sin(a)) for a in angle]
     points.append((LENGTH / 2 + RADIUS, 0.0, 0.0))
     rest = np.array(points) + [0, 0, HEIGHT]
-    return Body("stick", rest.astype(np.float32), _capsule_faces(len(rings)), kind=OBJECT)
+    return Body(STICK, rest.astype(np.float32), _capsule_faces(len(rings)), kind=OBJECT)
 
 
 def _capsule_faces(rings: int) -> np.ndarray:

@@ -39,7 +39,7 @@ def blueprint(sequence: Sequence) -> rrb.Blueprint:
         line_grid=rrb.LineGrid3D(visible=True, plane=rr.components.Plane3D((0, 0, 1), bottom), color=(0, 0, 0, 40)),
     )
     curves = [_curves("error", "error [cm]"), _curves("ms", "time a frame [ms]")]
-    if sequence.template.needs.body:
+    if sequence.template.needs.interpenetration:
         curves.insert(1, _curves("penetration", "interpenetration [%]"))
     about = rrb.TextDocumentView(origin="about", name="what is shown")
     return rrb.Blueprint(
@@ -68,6 +68,6 @@ def about(title: str, sequence: Sequence, roll_out: RollOut, frames: np.ndarray)
         f"- Frames {roll_out.start} to {len(sequence) - 1}; drawn: {len(frames)} of {predicted}{step}.",
         "- The view moves with the garment; positions in the file are those of the world, rounded to 2^-13 m.",
     ]
-    if sequence.template.needs.body:
+    if sequence.template.needs.interpenetration:
         lines.append("- Blue points: vertices behind the tangent plane of the nearest body vertex.")
     return rr.TextDocument("\n".join(lines), media_type="text/markdown")

@@ -62,7 +62,7 @@ def write_recording(path: Path, sequence: Sequence, roll_out: RollOut, title: st
         _mesh(stream, "scene/prediction", template.garment.faces, roll_out.garment, shown, _colours_of(roll_out, sequence))
         if body is not None:
             _mesh(stream, "scene/body", template.body.faces, body, frames, lambda _: SKIN)
-        if template.needs.body and len(shown):
+        if template.needs.interpenetration and len(shown):
             _penetration(stream, sequence, roll_out, shown)
         _curve(stream, "error/mean", good, frame_l2(roll_out.garment[good], sequence.garment[good]), BLUE)
         for part, ms, colour in zip(PARTS, roll_out.ms.T, (GREY, BLUE, RED), strict=True):

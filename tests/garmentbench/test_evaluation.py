@@ -82,6 +82,13 @@ def test_without_a_human_body_its_metrics_are_absent(kind):
     assert {r["metric"] for r in rows} == OTHERS
 
 
+def test_the_garment_beneath_is_measured_against_like_a_skin():
+    sequence = tiny_sequence(20, "garment")
+    roll = replace(shifted(sequence), before_collision=sequence.garment)
+    rows = by_name(evaluate(roll, shifted(sequence, kind="one_step"), sequence))
+    assert {m for m, _ in rows} == BODY_METRICS | OTHERS | {"interpenetration_before"}
+
+
 @pytest.mark.parametrize("status", ["diverged", "failed"])
 def test_a_roll_out_that_ended_keeps_its_rows(status):
     sequence = tiny_sequence(70)

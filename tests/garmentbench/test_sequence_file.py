@@ -12,7 +12,7 @@ from garmentbench.errors import UserError
 from garmentbench.sequence_file import content_hash, load, save
 from garmentbench.tiny import tiny_sequence
 
-KINDS = ("human", "object", None)
+KINDS = ("human", "object", "garment", None)
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +48,7 @@ def test_nothing_is_rounded_or_lost(tmp_path, kind):
         body = written.template.body
         assert read.body.tobytes() == written.body.tobytes()
         assert (read.template.body.name, read.template.body.part_names) == (body.name, body.part_names)
-        assert (read.template.body.labels is None) == (kind == "object")
+        assert (read.template.body.labels is None) == (kind != "human")
 
 
 def test_same_sequence_same_bytes(tmp_path, whole):
