@@ -14,9 +14,9 @@ from tube import AXIS, WAIST, grid_faces, hull_radius, without_arms
 HEM = 0.60  # [m] height, a little above the knees
 CLEARANCE = 0.008  # [m] of the folds' inner edges off the hull
 FLARE = 0.05  # [m] further off the hull at the hem
-PLEATS = 16
-WIDTH_WAIST, WIDTH_HEM = 1.25, 1.75  # [m] of the cloth laid flat
-WAISTBAND = 0.026  # [m] below the upper edge, held by pins
+PLEATS = 18
+WIDTH_WAIST, WIDTH_HEM = 1.40, 2.10  # [m] of the cloth laid flat
+WAISTBAND = 0.029  # [m] below the upper edge, held by pins
 MARGIN = 0.03  # of the UV square
 ANGLES = 720
 PROVENANCE = "accordion pleats round the convex hull of the baked base body; made by datasets/bake/bake_pleated_skirt.py"
@@ -36,7 +36,7 @@ class Grid:
     rows: int
 
 
-SIZES = {"smoke": Grid(columns=1, rows=12), "laptop": Grid(columns=2, rows=23), "paper": Grid(columns=6, rows=92)}
+SIZES = {"smoke": Grid(columns=1, rows=11), "laptop": Grid(columns=2, rows=21), "paper": Grid(columns=6, rows=82)}
 
 
 def pleated(grid: Grid) -> dict[str, np.ndarray]:
