@@ -39,17 +39,19 @@ def sequence_identity(scene: Scene, preset: Preset) -> str:
     inner = inner_scene(scene)
     code = fingerprint("garmentbench.simulation.simulate", *_assets(scene, preset))
     beneath = None if inner is None else sequence_identity(inner, preset)
-    return content_hash({"scene": replace(scene, worn_over=None), "beneath": beneath, "preset": preset, "code": code})
+    scene = replace(scene, worn_over=None, motion=replace(scene.motion, file=None))  # where files lie does not matter
+    return content_hash({"scene": scene, "beneath": beneath, "preset": preset, "code": code})
 
 
 def _assets(scene: Scene, preset: Preset) -> list[Path]:
-    """The files that a scene is made from: its garment, its body and the body shape that the warm-up begins in."""
+    """The files that a scene is made from: its garment, its body, the body shape that the warm-up begins in, its clip."""
     from garmentbench.motion.human import DRESSED
     from garmentbench.motion.stick import STICK
 
     shapes = () if scene.body == STICK else sorted({scene.body, DRESSED})
     bodies = (BODIES / f"{shape}-{preset.body_size}.npz" for shape in shapes)
-    return [p for p in (GARMENTS / f"{scene.garment}-{preset.name}.npz", *bodies) if p.is_file()]
+    clip = [] if scene.motion.file is None else [Path(scene.motion.file)]
+    return [p for p in (GARMENTS / f"{scene.garment}-{preset.name}.npz", *bodies, *clip) if p.is_file()]
 
 
 def scene_template(scene: Scene, preset: Preset) -> Template:

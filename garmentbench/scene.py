@@ -18,6 +18,11 @@ class Motion:
         freeze_after: The body stands still after so many frames; None: never.
         translate: The whole scene is moved by this [m].
         turn: ... after a turn about the vertical axis [degrees].
+        file: Of the motion "clip": the recording (BVH, or npz by `garmentbench import-motion` or AMASS); in the scene's
+            file relative to it.
+        start, stop: Only this part of the recording [s]; None: to its end.
+        arm_space: The recording's hanging arms turned outward by this [degrees].
+        map: The recording's joint -> ours, where its names are unknown.
     """
 
     name: str
@@ -25,6 +30,11 @@ class Motion:
     freeze_after: int | None = None
     translate: tuple[float, float, float] = (0.0, 0.0, 0.0)
     turn: float = 0.0
+    file: str | None = None
+    start: float = 0.0
+    stop: float | None = None
+    arm_space: float = 0.0
+    map: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -116,6 +126,10 @@ def _scene(path: Path, table: dict) -> Scene:
         table["worn_over"] = str(path.parent / table["worn_over"])
     if "translate" in motion:
         motion["translate"] = tuple(motion["translate"])
+    if ("file" in motion) != (motion.get("name") == "clip"):
+        raise UserError(f"{path}: motion \"clip\" and its file go together; wanted [motion] with name = \"clip\" and file")
+    if "file" in motion:
+        motion["file"] = str(path.parent / motion["file"])
     try:
         scene = Scene(name=path.stem, motion=Motion(**motion), **table)
     except TypeError as e:
