@@ -43,6 +43,13 @@ def unique_edges(faces: np.ndarray) -> np.ndarray:
     return np.unique(np.sort(pairs, axis=1), axis=0)
 
 
+def border_vertices(faces: np.ndarray) -> np.ndarray:
+    """Vertices of edges that belong to one face only, ascending, shape (N,)."""
+    pairs = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    edges, counts = np.unique(pairs, axis=0, return_counts=True)
+    return np.unique(edges[counts == 1])
+
+
 def edge_lengths(positions: np.ndarray, edges: np.ndarray) -> np.ndarray:
     """Edge lengths [m], shape (..., E), of positions [m], shape (..., V, 3)."""
     return np.linalg.norm(positions[..., edges[:, 0], :] - positions[..., edges[:, 1], :], axis=-1)

@@ -6,7 +6,8 @@
 d is the signed distance [m] of a garment vertex to the nearest point of the body's triangles, negative inside; the sign
 is that of the angle-weighted normal at that point (Baerentzen and Aanaes 2005), which is exact for closed surfaces. In
 float32 it is wrong for about 3 vertices in a million, where faces of a crease are almost equally near; so it is asked
-for with two tolerances, and where the two disagree the winding number decides.
+for with two tolerances, and where the two disagree the winding number decides. A garment beneath is open: what is nearest
+to its border, and beside it rather than behind it, is outside.
 
 When it lies. Where the body passes through itself (an arm in the trunk) the nearest surface decides, and cloth caught in
 between may count as outside. `depth_p95` is over the vertices inside only: one deep vertex looks worse than a thousand
@@ -16,6 +17,9 @@ shallow ones, so read it beside the share. Garment edges and faces between the v
 import numpy as np
 import warp as wp
 
+from garmentbench.geometry.mesh import border_vertices
+from garmentbench.geometry.side import side
+
 _FARTHEST = 1e4  # [m] search radius: everything
 
 
@@ -24,7 +28,7 @@ def signed_distances(garment: np.ndarray, body: np.ndarray, body_faces: np.ndarr
 
     Args:
         garment: [m], shape (T, V, 3), finite.
-        body: [m], shape (T, B, 3), closed.
+        body: [m], shape (T, B, 3).
         body_faces: Shape (K, 3), outward orientation.
 
     Returns:
@@ -33,15 +37,18 @@ def signed_distances(garment: np.ndarray, body: np.ndarray, body_faces: np.ndarr
     centre = body.mean(axis=1, keepdims=True)  # float32 has most digits near 0
     garment, body = garment - centre, body - centre
     out = np.empty(garment.shape[:2], np.float32)
+    border = np.zeros(body.shape[1], np.int32)
+    border[border_vertices(body_faces)] = 1
     with wp.ScopedDevice("cpu"):
         points = wp.array(body[0], dtype=wp.vec3)
         mesh = wp.Mesh(points, wp.array(body_faces.ravel(), dtype=wp.int32))
         distances = wp.empty(garment.shape[1], dtype=float)
+        ends, closed = wp.array(border, dtype=int), not border.any()
         for t in range(len(out)):
             points.assign(body[t])
             mesh.refit()
             points_now = wp.array(garment[t], dtype=wp.vec3)
-            wp.launch(_query, len(distances), [mesh.id, len(body_faces), points_now], [distances])
+            wp.launch(_query, len(distances), [mesh.id, len(body_faces), ends, closed, points_now], [distances])
             out[t] = distances.numpy()
     return out
 
@@ -74,13 +81,18 @@ def _winding_number(mesh: wp.uint64, face_count: int, point: wp.vec3) -> float:
 
 @wp.kernel
 def _query(
-    mesh: wp.uint64, face_count: int, points: wp.array(dtype=wp.vec3), distances: wp.array(dtype=float)
+    mesh: wp.uint64,
+    face_count: int,
+    border: wp.array(dtype=int),
+    closed: bool,
+    points: wp.array(dtype=wp.vec3),
+    distances: wp.array(dtype=float),
 ):
     i = wp.tid()
     hit = wp.mesh_query_point_sign_normal(mesh, points[i], _FARTHEST, 1.0e-3)
     again = wp.mesh_query_point_sign_normal(mesh, points[i], _FARTHEST, 1.0e-5)
-    sign = hit.sign
-    if sign != again.sign:
-        sign = 1.0 - 2.0 * wp.round(wp.min(wp.abs(_winding_number(mesh, face_count, points[i])), 1.0))
     at = wp.mesh_eval_position(mesh, hit.face, hit.u, hit.v)
+    sign = side(mesh, border, hit, points[i] - at)
+    if closed and hit.sign != again.sign:
+        sign = 1.0 - 2.0 * wp.round(wp.min(wp.abs(_winding_number(mesh, face_count, points[i])), 1.0))
     distances[i] = sign * wp.length(points[i] - at)

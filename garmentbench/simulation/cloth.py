@@ -7,7 +7,6 @@ import warp as wp
 
 from garmentbench.simulation.assembly import Fabric
 from garmentbench.simulation.collider import Collider
-from garmentbench.simulation.contact import FAR, find_contacts
 from garmentbench.simulation.kernels import Cloth, Contact, Physics, advance_serial, force_pass, particle_pass
 from garmentbench.simulation.material import Material, Settings
 
@@ -18,7 +17,7 @@ class Solver:
     Args:
         fabric: What is simulated.
         start: First particle positions [m], local axes, shape (P, 3).
-        surface: Faces (K, 3) and first positions [m], local axes, (B, 3), of what it touches; or None.
+        touched: Surfaces, faces (K, 3) each, and first positions [m], local axes, (B, 3), of what it touches; or None.
         substeps: A frame, a multiple of `settings.queries`.
         frame_time: Of one frame [s].
         device: Warp device.
@@ -30,7 +29,7 @@ class Solver:
         self,
         fabric: Fabric,
         start: np.ndarray,
-        surface: tuple[np.ndarray, np.ndarray] | None,
+        touched: tuple[tuple[np.ndarray, ...], np.ndarray] | None,
         material: Material,
         settings: Settings,
         substeps: int,
@@ -45,7 +44,7 @@ class Solver:
         self.cloth = _cloth(fabric, start, device)
         self.contact = _contact(start, device)
         self.physics = _physics(material, settings, frame_time / substeps)
-        self.collider = None if surface is None else Collider(*surface, self.cloth, device)
+        self.collider = None if touched is None else Collider(*touched, self.cloth, device)
         self._graph = None
 
     @property
@@ -79,8 +78,7 @@ class Solver:
         for q in range(self.queries):
             if self.collider is not None:
                 self.collider.move_to(q / self.queries, (q + 1) / self.queries, interval)
-                inputs = [self.collider.mesh.id, self.collider.surface, self.collider.faces, self.cloth, self.contact, interval]
-                self._launch(find_contacts, len(self.cloth.x), inputs)
+                self.collider.touch(self.contact, interval)
             self._integrate()
 
     def _integrate(self) -> None:
@@ -128,7 +126,7 @@ def _contact(start: np.ndarray, device: str) -> Contact:
         setattr(h, name, wp.zeros(count, dtype=wp.vec3, device=device))
     h.point = device_array(start, wp.vec3, device)  # where a pinned particle stays if there is no collider
     h.active = wp.zeros(count, dtype=int, device=device)
-    h.reach = wp.full(count, float(FAR), dtype=float, device=device)
+    h.distance = wp.zeros(count, dtype=float, device=device)
     return h
 
 

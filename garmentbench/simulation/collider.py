@@ -1,36 +1,47 @@
-"""The body's motion on the device: frames in, a Warp mesh that follows them out."""
+"""The motion of what a garment touches, on the device: frames in, Warp meshes that follow them out."""
 
 import numpy as np
 import warp as wp
 
-from garmentbench.simulation.contact import Surface, attach, move_surface
-from garmentbench.simulation.kernels import Cloth
+from garmentbench.geometry.mesh import border_vertices
+from garmentbench.simulation.contact import FAR, Surface, attach, find_contacts, hold, move_surface
+from garmentbench.simulation.kernels import Cloth, Contact
 
 
 class Collider:
-    """A surface that moves from frame to frame.
+    """Surfaces that move from frame to frame.
 
     Args:
-        faces: Triangles, shape (K, 3), outward orientation.
+        surfaces: Triangles of each, from the skin outwards, shape (K, 3) each, outward orientation.
         points: First positions [m], local axes, shape (B, 3).
         cloth: What it holds and touches; its pinned particles are fastened where they are now.
         device: Warp device.
     """
 
-    def __init__(self, faces: np.ndarray, points: np.ndarray, cloth: Cloth, device: str) -> None:
-        self.device = device
-        count = len(points)
+    def __init__(self, surfaces: tuple[np.ndarray, ...], points: np.ndarray, cloth: Cloth, device: str) -> None:
+        self.device, self.cloth = device, cloth
+        count, particles = len(points), len(cloth.x)
         self.count = count
         s = self.surface = Surface()
         for name in ("p0", "p1", "m0", "m1", "velocities"):
             setattr(s, name, wp.zeros(count, dtype=wp.vec3, device=device))
         s.points = wp.array(points.astype(np.float32), dtype=wp.vec3, device=device)
         s.wind = wp.zeros(1, dtype=wp.vec3, device=device)
-        s.hold_face = wp.zeros(len(cloth.x), dtype=int, device=device)
-        s.hold_at = wp.zeros(len(cloth.x), dtype=wp.vec3, device=device)
-        self.faces = wp.array(faces.astype(np.int32).ravel(), dtype=int, device=device)
-        self.mesh = wp.Mesh(points=s.points, indices=self.faces, velocities=s.velocities)
-        wp.launch(attach, dim=len(cloth.x), inputs=[self.mesh.id, s, self.faces, cloth], device=device)
+        s.hold_face = wp.zeros(particles, dtype=int, device=device)
+        s.hold_at = wp.zeros(particles, dtype=wp.vec3, device=device)
+        border = np.zeros(count, np.int32)
+        for faces in surfaces:
+            border[border_vertices(faces)] = 1
+        s.border = wp.array(border, dtype=int, device=device)
+        self.faces, everything = self._mesh(np.concatenate(surfaces))
+        wp.launch(attach, dim=particles, inputs=[everything.id, s, self.faces, cloth], device=device)
+        self.meshes = [self._mesh(faces)[1] for faces in surfaces]
+        self.reaches = [wp.full(particles, float(FAR), dtype=float, device=device) for _ in surfaces]
+
+    def _mesh(self, faces: np.ndarray) -> tuple[wp.array, wp.Mesh]:
+        """The indices and the mesh of some of the faces, over all points."""
+        indices = wp.array(faces.astype(np.int32).ravel(), dtype=int, device=self.device)
+        return indices, wp.Mesh(points=self.surface.points, indices=indices, velocities=self.surface.velocities)
 
     def set_frame(self, p0: np.ndarray, p1: np.ndarray, m0: np.ndarray, m1: np.ndarray, wind: np.ndarray) -> None:
         """Positions at the two ends of a frame, tangents there [m a frame], each (B, 3); the wind [m/s], shape (3,)."""
@@ -39,6 +50,14 @@ class Collider:
             array.assign(values.astype(np.float32))
 
     def move_to(self, u0: float, u1: float, interval: float) -> None:
-        """Bring the mesh to the fraction u0 of the frame; its velocities lead to u1."""
+        """Bring the meshes to the fraction u0 of the frame; their velocities lead to u1."""
         wp.launch(move_surface, dim=self.count, inputs=[self.surface, u0, u1, interval], device=self.device)
-        self.mesh.refit()
+        for mesh in self.meshes:
+            mesh.refit()
+
+    def touch(self, contact: Contact, interval: float) -> None:
+        """Find where each particle touches, for the next `interval` seconds."""
+        particles = len(self.cloth.x)
+        wp.launch(hold, particles, [self.surface, self.faces, self.cloth, contact, interval], device=self.device)
+        for mesh, reach in zip(self.meshes, self.reaches, strict=True):
+            wp.launch(find_contacts, particles, [mesh.id, self.surface, reach, self.cloth, contact], device=self.device)

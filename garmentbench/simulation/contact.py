@@ -1,7 +1,8 @@
-"""The body as a moving surface, and where each particle touches it: Warp kernels, the same on CPU and CUDA."""
+"""The body, and the garment beneath, as moving surfaces, and where each particle touches it: Warp kernels, the same on CPU and CUDA."""
 
 import warp as wp
 
+from garmentbench.geometry.side import side
 from garmentbench.simulation.kernels import Cloth, Contact
 
 FAR = wp.constant(0.1)  # [m] beyond this a particle has nothing to do with the body
@@ -20,6 +21,7 @@ class Surface:
     points: wp.array(dtype=wp.vec3)
     velocities: wp.array(dtype=wp.vec3)  # mean velocity until the next query [m/s]
     wind: wp.array(dtype=wp.vec3)  # shape (1,): velocity of the air away from the skin [m/s]
+    border: wp.array(dtype=int)  # of a point: 1 where its surface ends
     hold_face: wp.array(dtype=int)  # of a pinned particle; -1: not pinned
     hold_at: wp.array(dtype=wp.vec3)  # its two barycentric coordinates (any sign) and its height over the face [m]
 
@@ -66,8 +68,8 @@ def attach(mesh: wp.uint64, s: Surface, faces: wp.array(dtype=int), c: Cloth):
 
 
 @wp.kernel(enable_backward=False)
-def find_contacts(mesh: wp.uint64, s: Surface, faces: wp.array(dtype=int), c: Cloth, h: Contact, interval: float):
-    """Tangent plane, its motion and the air round each particle: dim = P."""
+def hold(s: Surface, faces: wp.array(dtype=int), c: Cloth, h: Contact, interval: float):
+    """Where pinned particles are held; the others touch nothing yet: dim = P."""
     i = wp.tid()
     face = s.hold_face[i]
     if face >= 0:
@@ -82,24 +84,36 @@ def find_contacts(mesh: wp.uint64, s: Surface, faces: wp.array(dtype=int), c: Cl
         h.point[i] = here
         h.velocity[i] = (then - here) / interval
     else:
+        h.active[i] = 0
+        h.distance[i] = FAR
+        h.air[i] = s.wind[0]
+
+
+@wp.kernel(enable_backward=False)
+def find_contacts(mesh: wp.uint64, s: Surface, reach: wp.array(dtype=float), c: Cloth, h: Contact):
+    """Tangent plane, its motion and the air round each particle; of several surfaces, that of the one which it is
+    deepest in or else nearest to: dim = P."""
+    i = wp.tid()
+    if c.pinned[i] == 0:
         x = c.x[i]
-        q = wp.mesh_query_point_sign_normal(mesh, x, h.reach[i])
+        q = wp.mesh_query_point_sign_normal(mesh, x, reach[i])
         if not q.result:
             q = wp.mesh_query_point_sign_normal(mesh, x, FAR)
-        h.active[i] = 0
-        h.reach[i] = FAR
-        h.air[i] = s.wind[0]
+        reach[i] = FAR
         if q.result:
             p = wp.mesh_eval_position(mesh, q.face, q.u, q.v)
             v = wp.mesh_eval_velocity(mesh, q.face, q.u, q.v)
-            away = q.sign * (x - p)
+            sign = side(mesh, s.border, q, x - p)
+            away = sign * (x - p)
             distance = wp.length(away)
-            n = wp.mesh_eval_face_normal(mesh, q.face)
-            if distance > 1.0e-4:
-                n = away / distance
-            h.active[i] = 1
-            h.point[i] = p
-            h.normal[i] = n
-            h.velocity[i] = v
-            h.reach[i] = wp.min(distance + MARGIN, FAR)
-            h.air[i] = v + wp.min(distance / STILL, 1.0) * (s.wind[0] - v)
+            reach[i] = wp.min(distance + MARGIN, FAR)
+            if sign * distance < h.distance[i]:
+                n = wp.mesh_eval_face_normal(mesh, q.face)
+                if distance > 1.0e-4:
+                    n = away / distance
+                h.active[i] = 1
+                h.distance[i] = sign * distance
+                h.point[i] = p
+                h.normal[i] = n
+                h.velocity[i] = v
+                h.air[i] = v + wp.min(distance / STILL, 1.0) * (s.wind[0] - v)

@@ -7,10 +7,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from garmentbench.sequence import OBJECT, Body, Garment
+from garmentbench.sequence import Body, Garment
 from garmentbench.simulation.assembly import Fabric, assemble
 from garmentbench.simulation.cloth import Solver
 from garmentbench.simulation.material import Material, Settings
+from garmentbench.simulation.obstacle import Obstacle
 from garmentbench.simulation.stability import substeps
 from garmentbench.simulation.xpbd import XpbdSolver
 
@@ -66,6 +67,7 @@ def drive(
     device: str = "cpu",
     serial: bool | None = None,
     budget: int | None = None,
+    inner: tuple[Body, np.ndarray] | None = None,
     step: Callable[[], None] = lambda: None,
 ) -> Drive:
     """Simulate a garment on a moving body.
@@ -79,26 +81,28 @@ def drive(
         material, settings: As resolved for the scene.
         device, serial: See `Solver`.
         budget: Use XPBD with so many substeps a frame instead of the reference solver with as many as it needs.
+        inner: The garment beneath as a body, and its positions [m], shape (T, B', 3), float64.
         step: Called after each frame.
     """
     fabric = assemble(garment, material, settings)
-    origins = _origins(start, body, frames)
+    obstacle = None if body is None else Obstacle.of(body, frames, inner)
+    origins = _origins(start, frames if obstacle is None else obstacle)
     count = len(origins)
     first = np.zeros_like(fabric.rest)
     first[fabric.particle] = start - origins[0] + _noise(fabric, settings)[fabric.particle]
-    surface = None if body is None else (body.faces, frames[0] - origins[0])
+    touched = None if obstacle is None else (obstacle.surfaces, obstacle.positions[0] - origins[0])
     kind, n = Solver, budget
     if budget is None:
         n = substeps(fabric, material, settings, 1 / fps)
     else:
         kind, settings = XpbdSolver, replace(settings, queries=math.gcd(settings.queries, budget))
-    solver = kind(fabric, first, surface, material, settings, n, 1 / fps, device, serial)
+    solver = kind(fabric, first, touched, material, settings, n, 1 / fps, device, serial)
     out = Drive(fabric, np.zeros((count, *garment.rest.shape)), np.zeros((count, 2)), np.zeros(count), n)
     out.positions[0] = first[fabric.particle] + origins[0]
     begin = time.perf_counter()
     for t in range(1, count):
-        if body is not None:
-            _set_frame(solver, frames, origins[t - 1], t - 1, fps, still_air=body.kind == OBJECT)
+        if obstacle is not None:
+            solver.collider.set_frame(*obstacle.between(t - 1, origins[t - 1], fps))
         solver.advance()
         out.note(t, solver, origins[t - 1])
         if np.any(origins[t] != origins[t - 1]):
@@ -110,11 +114,12 @@ def drive(
     return out
 
 
-def _origins(start: np.ndarray, body: Body | None, frames: np.ndarray | int) -> np.ndarray:
-    """A local origin for each frame, shape (T, 3), float64: follows the body's centre on a grid."""
-    if body is None:
-        return np.tile(start.astype(np.float64).mean(axis=0), (frames, 1))
-    centres = np.array([f.mean(axis=0) for f in frames])
+def _origins(start: np.ndarray, obstacle: Obstacle | int) -> np.ndarray:
+    """A local origin for each frame, shape (T, 3), float64: follows the body's centre on a grid; without one (only a
+    number of frames) it stays."""
+    if isinstance(obstacle, int):
+        return np.tile(start.astype(np.float64).mean(axis=0), (obstacle, 1))
+    centres = np.array([f.mean(axis=0) for f in obstacle.positions[:, : obstacle.skin]])
     return centres[0] + GRID * np.round((centres - centres[0]) / GRID)
 
 
@@ -122,18 +127,6 @@ def _noise(fabric: Fabric, settings: Settings) -> np.ndarray:
     """A push of length `start_noise` for each particle, in random directions, shape (P, 3)."""
     push = np.random.default_rng(settings.noise_seed).standard_normal(fabric.rest.shape)
     return settings.start_noise * push / np.linalg.norm(push, axis=1, keepdims=True)
-
-
-def _set_frame(solver: Solver, frames: np.ndarray, origin: np.ndarray, t: int, fps: float, still_air: bool) -> None:
-    """Give the solver the body between frames t and t + 1: Hermite, tangents from central differences.
-
-    Before the first frame and after the last it moves on as it did.
-    """
-    here, there = frames[t], frames[t + 1]
-    before = frames[t - 1] if t > 0 else 2 * here - there
-    after = frames[t + 2] if t + 2 < len(frames) else 2 * there - here
-    wind = np.zeros(3) if still_air else fps * (there - here).mean(axis=0)
-    solver.collider.set_frame(here - origin, there - origin, (there - before) / 2, (after - here) / 2, wind)
 
 
 def _strain(fabric: Fabric, x: np.ndarray) -> tuple[float, float]:

@@ -38,7 +38,7 @@ class Contact:
     velocity: wp.array(dtype=wp.vec3)  # of the point [m/s]
     air: wp.array(dtype=wp.vec3)  # velocity of the air round the particle [m/s]
     active: wp.array(dtype=int)  # 0: nothing within reach
-    reach: wp.array(dtype=float)  # how far the next query looks [m]
+    distance: wp.array(dtype=float)  # to the surface that it is nearest to or deepest in, negative inside [m]
 
 
 @wp.struct

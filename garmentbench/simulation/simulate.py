@@ -1,19 +1,18 @@
 """From a scene to its reference sequence, with its own uncertainty."""
 
+from collections.abc import Callable
 from dataclasses import asdict, replace
 
 import numpy as np
 
 from garmentbench.errors import UserError
-from garmentbench.garments import load_garment
-from garmentbench.motion import Animation, animate
-from garmentbench.motion.placing import place
 from garmentbench.presets import Preset
 from garmentbench.progress import track
 from garmentbench.scene import Scene
-from garmentbench.sequence import Garment, Sequence, Template
-from garmentbench.simulation.drive import Drive, drive
-from garmentbench.simulation.material import Material, Settings, override
+from garmentbench.sequence import Sequence, Template
+from garmentbench.simulation.drive import OK, Drive
+from garmentbench.simulation.material import Settings
+from garmentbench.simulation.outfit import Layer, Outfit
 
 WINDOW = 150  # frames of the uncertainty's two further runs, after the warm-up: 0.009 cm on armspace-90, as over all 1,150
 PERTURBATION = 1e-3  # [m]
@@ -29,32 +28,36 @@ def simulate(scene: Scene, preset: Preset, device: str = "cpu") -> Sequence:
 
     Returns:
         The sequence, its `info["simulation"]` filled: settings, substeps, strain, status ("ok", or "unstable" with its
-        first bad frame). Frames from the first that is not finite on are left out.
+        first bad frame); of two layers those of the outer one, and `beneath` the same of the inner. Frames from the first
+        that is not finite on are left out. Where a garment is worn beneath, it is the sequence's body.
 
     Raises:
         UsageError: An unknown garment, body, motion, material or setting.
-        UserError: Not one frame is finite.
+        UserError: A wrong scene beneath, or not one frame is finite.
     """
-    animation, garment, start, material, settings = _prepare(scene, preset)
-    with track(len(animation.positions) - 1, f"simulate {scene.name}") as step:
-        run = drive(garment, start, animation.body, animation.positions, scene.fps, material, settings, device, step=step)
-    positions = run.positions[animation.warm_up :].astype(np.float32)
-    body = animation.positions[animation.warm_up :].astype(np.float32)
-    finite = np.isfinite(positions).all(axis=(1, 2))
-    count = len(finite) if finite.all() else int(np.argmin(finite))
-    if count == 0:
+    outfit = Outfit.of(scene, preset)
+    with track(_steps(outfit, outfit.frames), f"simulate {scene.name}") as step:
+        worn = outfit.simulate(outfit.frames, device, step=step)
+    start, stop = outfit.animation.warm_up, worn[-1].finite
+    if stop <= start:
+        margin = max(layer.settings.step_margin for layer in outfit.layers)
         raise UserError(
             f"scene {scene.name}: the cloth's positions are not finite from the first frame on; wanted a stable step, "
-            f"lower step_margin (it is {settings.step_margin:g}, at most 1 is safe)"
+            f"lower step_margin (it is {margin:g}, at most 1 is safe)"
         )
+    told = [_summary(w.run, start, layer, device) for w, layer in zip(worn, outfit.layers)]
     info = {
         "scene": scene.name,
         "split": scene.split,
         "motion": asdict(scene.motion),
         "preset": preset.name,
-        "simulation": _summary(run, animation.warm_up, material, settings, device),
+        "simulation": told[-1] if len(told) == 1 else _of_both(*told),
     }
-    return Sequence(Template(garment, animation.body, scene.fps), positions[:count], body[:count], info)
+    body, positions = outfit.animation.body, outfit.animation.positions
+    if len(worn) > 1:
+        info["worn_over"], body, positions = scene.worn_over, worn[-2].body, worn[-2].surface
+    garment = worn[-1].run.positions[start:stop].astype(np.float32)
+    return Sequence(Template(worn[-1].garment, body, scene.fps), garment, positions[start:stop].astype(np.float32), info)
 
 
 def measure_uncertainty(
@@ -70,36 +73,37 @@ def measure_uncertainty(
 
     Returns:
         `doubling_cm` (twice the substeps), `perturbed_cm` (each vertex pushed 1 mm further at the start of the warm-up), `cm`
-        (the larger) and `frames` (compared).
+        (the larger) and `frames` (compared). Of two layers both are changed. NaN where a changed run is not finite.
     """
-    animation, garment, start, material, settings = _prepare(scene, preset)
+    outfit = Outfit.of(scene, preset)
     frames = min(frames, len(sequence))
-    window = animation.positions[: animation.warm_up + frames]
 
-    def distance(changed: Settings) -> float:
-        run = drive(garment, start, animation.body, window, scene.fps, material, changed, device, step=step)
-        return 100 * float(np.linalg.norm(run.positions[animation.warm_up :] - sequence.garment[:frames], axis=-1).mean())
+    def distance(change: Callable[[Settings], Settings]) -> float:
+        moved = outfit.simulate(frames, device, change, step)[-1].run.positions[outfit.animation.warm_up :]
+        if len(moved) < frames:  # the layer beneath has blown up
+            return float("nan")
+        return 100 * float(np.linalg.norm(moved - sequence.garment[:frames], axis=-1).mean())
 
-    with track(2 * (len(window) - 1), f"uncertainty of {scene.name}") as step:
-        doubling = distance(replace(settings, substep_factor=2 * settings.substep_factor))
-        perturbed = distance(replace(settings, start_noise=settings.start_noise + PERTURBATION))
+    with track(2 * _steps(outfit, frames), f"uncertainty of {scene.name}") as step:
+        doubling = distance(lambda s: replace(s, substep_factor=2 * s.substep_factor))
+        perturbed = distance(lambda s: replace(s, start_noise=s.start_noise + PERTURBATION))
     return {"doubling_cm": doubling, "perturbed_cm": perturbed, "cm": max(doubling, perturbed), "frames": frames}
 
 
-def _prepare(scene: Scene, preset: Preset) -> tuple[Animation, Garment, np.ndarray, Material, Settings]:
-    material = override(Material(), scene.material, "material")
-    settings = override(Settings(), scene.simulation, "simulation setting")
-    garment = load_garment(scene.garment, preset.name)
-    return animate(scene, preset), garment, place(garment.rest, scene.motion), material, settings
+def _steps(outfit: Outfit, frames: int) -> int:
+    """Steps of progress that `outfit.simulate(frames)` takes."""
+    whole = len(outfit.animation.positions)
+    counts = [min(outfit.animation.warm_up + frames + (layer is not outfit.layers[-1]), whole) for layer in outfit.layers]
+    return sum(count - 1 for count in counts)
 
 
-def _summary(run: Drive, warm_up: int, material: Material, settings: Settings, device: str) -> dict:
+def _summary(run: Drive, warm_up: int, layer: Layer, device: str) -> dict:
     mean, high = run.strain[warm_up:].T
     return {
         "solver": "explicit",
         "device": device,
-        "material": asdict(material),
-        "settings": asdict(settings),
+        "material": asdict(layer.material),
+        "settings": asdict(layer.settings),
         "substeps": run.substeps,
         "mean_strain_percent": 100 * float(np.nanmean(mean)),
         "p99_strain_percent": 100 * float(np.nanmax(high)),
@@ -107,3 +111,12 @@ def _summary(run: Drive, warm_up: int, material: Material, settings: Settings, d
         "status": run.status,
         "first_bad_frame": None if run.first_bad_frame is None else run.first_bad_frame - warm_up,
     }
+
+
+def _of_both(inner: dict, outer: dict) -> dict:
+    """The outer layer's summary and the inner's beneath; what has gone wrong beneath has gone wrong for both."""
+    told = outer | {"beneath": inner}
+    if inner["status"] != OK:
+        bad = [f for f in (inner["first_bad_frame"], outer["first_bad_frame"]) if f is not None]
+        told |= {"status": inner["status"], "first_bad_frame": min(bad)}
+    return told

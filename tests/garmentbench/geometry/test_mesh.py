@@ -2,7 +2,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from garmentbench.geometry.mesh import edge_lengths, face_normals, laplacian, tangent_frames, unique_edges, vertex_normals
+from garmentbench.geometry.mesh import (
+    border_vertices, edge_lengths, face_normals, laplacian, tangent_frames, unique_edges, vertex_normals,
+)
 
 # A roof: two triangles that meet at a right angle along the y axis.
 ROOF = np.array([[0, 0, 1], [0, 1, 1], [1, 0, 0], [-1, 0, 0]], float)
@@ -52,3 +54,9 @@ def test_tangent_frames_follow_u(flip):
 def test_tangent_frames_where_the_uv_is_degenerate_are_still_frames():
     frames = tangent_frames(ROOF, FACES, np.full((4, 2), 0.5))
     np.testing.assert_allclose(np.linalg.det(frames), 1, atol=1e-7)
+
+
+def test_border_vertices():
+    faces = np.array([[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]])  # a square with its middle
+    assert border_vertices(faces).tolist() == [0, 1, 2, 3]
+    assert border_vertices(np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])).tolist() == []

@@ -44,3 +44,11 @@ def test_where_faces_of_a_crease_are_equally_near():
     body, points = body.astype(np.float32)[None], points.astype(np.float32)[None]
     found = signed_distances(points, body, faces.astype(np.int32))[0]
     assert ((found < 0) == (out < 0.2)).all()
+
+
+def test_an_open_surface_has_no_inside_beyond_its_border():
+    """A square in the plane z = 0: above, below, beside and slightly lower, below a corner."""
+    square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)
+    points = np.array([[0.5, 0.5, 0.1], [0.5, 0.4, -0.1], [1.1, 0.5, -0.05], [1.02, 1.02, -0.2]])
+    found = signed_distances(points[None], square[None], np.array([[0, 1, 2], [0, 2, 3]]))[0]
+    np.testing.assert_allclose(found, [0.1, -0.1, np.hypot(0.1, 0.05), -np.sqrt(0.0408)], rtol=1e-5)
