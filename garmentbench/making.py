@@ -96,11 +96,12 @@ def _simulated(scene: Scene, preset: Preset) -> Sequence:
     sequence = simulate(scene, preset, device)
     info = sequence.info | {"uncertainty": measure_uncertainty(scene, preset, sequence, device=device)}
     if sequence.template.needs.interpenetration:
-        info["interpenetration"] = _own_interpenetration(sequence)
+        info["interpenetration"] = own_interpenetration(sequence)
     return replace(sequence, info=info)
 
 
-def _own_interpenetration(sequence: Sequence) -> dict[str, float]:
+def own_interpenetration(sequence: Sequence) -> dict[str, float]:
+    """How much of a sequence's garment lies inside its body, for its info."""
     from garmentbench.metrics.interpenetration import interpenetration
     from garmentbench.metrics.interpenetration_strict import depth_p95, interpenetration_strict, signed_distances
 

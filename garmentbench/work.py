@@ -14,12 +14,12 @@ from garmentbench.atomic import write_text
 from garmentbench.device import device_name, quiet_warp, require_device
 from garmentbench.errors import UsageError, UserError, unknown_name
 from garmentbench.fingerprint import fingerprint
-from garmentbench.making import make_sequence, sequence_identity
+from garmentbench.making import make_sequence
 from garmentbench.method import HISTORY, Method
 from garmentbench.presets import Preset
 from garmentbench.runs import Run, RunStore
-from garmentbench.scene import load_scene
 from garmentbench.sequence import Sequence
+from garmentbench.source import take_source
 
 if TYPE_CHECKING:
     from garmentbench.rollout import RollOut
@@ -79,24 +79,25 @@ def train(method_name: str, variant: str, scene: str, preset: Preset, frames: in
     if frames <= HISTORY:
         raise UsageError(f"train: {frames} frames asked for; wanted more than {HISTORY}, which are the history of the next")
     frames = min(frames, preset.frame_limit or frames)
-    path = make_sequence(scene, preset)
+    source = take_source(scene, preset)
     identity = {
         "method": method_name,
         "variant": variant,
-        "train_scene": load_scene(scene).name,
+        "train_scene": source.name,
         "preset": preset.name,
         "train_frames": frames,
         "seed": seed if is_random(method_name) else 0,
         "config": config,
-        "data": sequence_file.content_hash(path),
+        "data": sequence_file.content_hash(source.path),
         "code": fingerprint(method.__module__),
         "device": device_name(),
     }
     with store.open("train", identity) as run:
         if not run.finished:
-            sequence = sequence_file.load(path, frames)
+            sequence = sequence_file.load(source.path, frames)
             if len(sequence) < frames:
-                raise UserError(f"{path}: has {len(sequence)} frames, {frames} were asked for; train on at most {len(sequence)}")
+                there = len(sequence)
+                raise UserError(f"{source.path}: has {there} frames, {frames} were asked for; train on at most {there}")
             folder = run.folder / "method"
             folder.mkdir(exist_ok=True)
             with _foreign_code(run, "fit"):
@@ -121,27 +122,27 @@ def evaluate(trained: Run, scene: str, preset: Preset, store: RunStore) -> Run:
 
     _ = trained.results  # says so where the training is not finished
     method = load_method(trained.identity["method"])
-    path = make_sequence(scene, preset)
+    source = take_source(scene, preset)
     about = ("method", "variant", "train_scene", "train_frames", "seed")
     identity = {key: trained.identity[key] for key in about} | {
         "trained": trained.id,
-        "scene": load_scene(scene).name,
+        "scene": source.name,
         "preset": preset.name,
-        "data": sequence_file.content_hash(path),
-        "reference": sequence_identity(load_scene(scene), preset),  # whose uncertainty stands beside the errors
+        "data": sequence_file.content_hash(source.path),
+        "reference": source.identity,  # whose uncertainty stands beside the errors
         "code": fingerprint(method.__module__, *EVALUATION),
         "device": device_name(),
     }
     with store.open("evaluate", identity) as run:
         if not run.finished:
             quiet_warp()  # which the metrics use
-            sequence = sequence_file.load(path)
+            sequence = sequence_file.load(source.path)
             with _foreign_code(run, "load"):
                 learnt = method.load(trained.folder / "method")
             roll, one = _predict(learnt, sequence, run)
             roll.save(run.folder / "rollout.h5")
             write_material(run.folder, sequence, roll)
-            write_recording(run.folder / "recording.rrd", sequence, roll, f"{trained.identity['method']} on {scene}")
+            write_recording(run.folder / "recording.rrd", sequence, roll, f"{trained.identity['method']} on {source.name}")
             run.finish({
                 "rows": measure(roll, one, sequence),
                 "status": roll.status,

@@ -5,8 +5,11 @@ What a command needs is imported when it runs, so that `garmentbench --help` is 
 
 from typing import Protocol
 
-from garmentbench.commands.data import Check, Scenes, Simulate
+from garmentbench.commands.check import Check
+from garmentbench.commands.data import Scenes, Simulate
+from garmentbench.commands.exchange import Export, Import
 from garmentbench.commands.learn import CheckMethod, Evaluate, Methods, Train
+from garmentbench.commands.motion import ImportMotion
 from garmentbench.commands.results import Evals, Report, Runs, View
 
 
@@ -21,6 +24,9 @@ COMMANDS: dict[str, type[Command]] = {
     "scenes": Scenes,
     "methods": Methods,
     "simulate": Simulate,
+    "import": Import,
+    "import-motion": ImportMotion,
+    "export": Export,
     "check": Check,
     "check-method": CheckMethod,
     "train": Train,

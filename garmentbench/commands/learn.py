@@ -57,7 +57,7 @@ class Train:
 
     Attributes:
         method: A method's name, or module:Class.
-        scene: Scene to train on.
+        scene: Scene to train on, or a sequence file (.h5).
         preset: Size: smoke, laptop or paper.
         frames: Train on the first so many frames.
         variant: "full", or one of the method's variants (`garmentbench methods`).
@@ -87,8 +87,8 @@ class Evaluate:
 
     Attributes:
         method: A method's name, or module:Class.
-        train_scene: Scene that it was, or will be, trained on.
-        scene: Scene to evaluate on.
+        train_scene: Scene that it was, or will be, trained on, or a sequence file (.h5).
+        scene: Scene to evaluate on, or a sequence file (.h5).
         preset: Size: smoke, laptop or paper.
         frames: Train on the first so many frames.
         variant: "full", or one of the method's variants (`garmentbench methods`).
@@ -120,11 +120,11 @@ def _ready(preset_name: str, device: str, *scenes: str) -> None:
     """Complain of a wrong name or a missing device before any work is done."""
     from garmentbench.device import choose_device, one_thread, require_device
     from garmentbench.presets import preset
-    from garmentbench.scene import load_scene
+    from garmentbench.source import check_source
 
     size = preset(preset_name)
     for scene in scenes:
-        load_scene(scene)
+        check_source(scene)
     one_thread()
     choose_device(device)
     require_device(size)

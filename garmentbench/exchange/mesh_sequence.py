@@ -1,0 +1,70 @@
+"""A moving mesh as a file has it, the one type that all readers give and all writers take; and how both complain."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from garmentbench.errors import UserError
+
+
+@dataclass(frozen=True)
+class MeshSequence:
+    """A moving mesh in its own units and axes.
+
+    Attributes:
+        name: What it is called, e.g. the file's stem.
+        frames: Positions, shape (T, V, 3), float32 of any byte order; may be mapped from a file.
+        faces: Triangles, shape (F, 3), int32.
+        corner_uv: UV of each triangle's corners, shape (F, 3, 2), float32; None where the file has none.
+        rest: Rest positions, shape (V, 3), float32; None where the first frame must do.
+        fps: Frames a second, as the file says; None where it doesn't.
+        unit: Metres in one of its units, as the file says; None where it doesn't.
+        up: "x", "y" or "z", as the file says; None where it doesn't.
+        pins: Vertices held fast to the body, shape (P,), int32.
+        notes: What was done to it while reading, e.g. "12 quads cut into triangles".
+        files: The files that it was read from.
+    """
+
+    name: str
+    frames: np.ndarray
+    faces: np.ndarray
+    corner_uv: np.ndarray | None = None
+    rest: np.ndarray | None = None
+    fps: float | None = None
+    unit: float | None = None
+    up: str | None = None
+    pins: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int32))
+    notes: tuple[str, ...] = ()
+    files: tuple[Path, ...] = ()
+
+    @property
+    def still(self) -> np.ndarray:
+        """The rest positions, or else the first frame, shape (V, 3)."""
+        return self.frames[0] if self.rest is None else self.rest
+
+
+def refusal(where: Path | str, found: str, do: str) -> UserError:
+    """The error, in one line, for what can't be used: where, what was found and wanted, what to do."""
+    return UserError(" ".join(f"{where}: {found}; {do}".split()))
+
+
+def size_of(path: Path, wanted: str) -> int:
+    """Size of a file [bytes]. Raises `UserError` where there is none, or an empty one."""
+    if not path.is_file():
+        raise refusal(path, f"{'a folder' if path.is_dir() else 'no such file'}, wanted {wanted}", "check the path")
+    size = path.stat().st_size
+    if size == 0:
+        raise refusal(path, f"an empty file, wanted {wanted}", "export it again")
+    return size
+
+
+def checked_faces(where: Path | str, faces: np.ndarray, vertices: int) -> np.ndarray:
+    """Triangles as int32. Raises `UserError` where there is none, or one that names a vertex which is not there."""
+    if not len(faces):
+        raise refusal(where, "has no faces, wanted a mesh", "export the mesh with its faces")
+    bad = np.flatnonzero(((faces < 0) | (faces >= vertices)).any(axis=1))
+    if len(bad):
+        found = f"face {bad[0]} names vertices {faces[bad[0]].tolist()}, there are {vertices}"
+        raise refusal(where, found, "export the mesh again, whole")
+    return faces.astype(np.int32)
