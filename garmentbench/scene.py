@@ -64,7 +64,7 @@ class Scene:
     frames: int
     fps: float = 30.0
     material: dict[str, float] = field(default_factory=dict)
-    simulation: dict[str, float] = field(default_factory=dict)
+    simulation: dict[str, float | bool] = field(default_factory=dict)
     worn_over: str | None = None
 
 

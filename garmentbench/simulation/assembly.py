@@ -25,6 +25,7 @@ class Fabric:
         curvature: Their coefficients; the sum of coefficient times position is 0 where the cloth is flat, shape (S, 4).
         bend_stiffness: Stiffness after the cap [N/m], shape (S,).
         pinned: Whether a particle is held by the collider, shape (P,), bool.
+        faces: Particles of each triangle, shape (F, 3).
     """
 
     particle: np.ndarray
@@ -37,6 +38,7 @@ class Fabric:
     curvature: np.ndarray
     bend_stiffness: np.ndarray
     pinned: np.ndarray
+    faces: np.ndarray
 
     @cached_property
     def bending(self) -> sp.csr_matrix:
@@ -69,7 +71,7 @@ def assemble(garment, material: Material, settings: Settings) -> Fabric:
     pinned[particle[garment.pins]] = True
     curvature, area = _curvature(rest, stencils)
     bend_stiffness = _cap(material.bending / area, 1 / (curvature**2 / mass[stencils]).sum(axis=1), settings.bend_cap)
-    return Fabric(particle, rest, mass, edges, length, stiffness, stencils, curvature, bend_stiffness, pinned)
+    return Fabric(particle, rest, mass, edges, length, stiffness, stencils, curvature, bend_stiffness, pinned, faces)
 
 
 def weld(vertices: int, seams: np.ndarray) -> tuple[np.ndarray, int]:

@@ -9,6 +9,7 @@ from garmentbench.simulation.assembly import Fabric
 from garmentbench.simulation.collider import Collider
 from garmentbench.simulation.kernels import Cloth, Contact, Physics, advance_serial, force_pass, particle_pass
 from garmentbench.simulation.material import Material, Settings
+from garmentbench.simulation.self_contact import SelfContact
 
 
 class Solver:
@@ -42,9 +43,12 @@ class Solver:
         self.queries, self.frame_time = settings.queries, frame_time
         self.steps = substeps // settings.queries
         self.cloth = _cloth(fabric, start, device)
-        self.contact = _contact(start, device)
+        self.contact, self.own_contact = _contact(start, device), _contact(start, device)
         self.physics = _physics(material, settings, frame_time / substeps)
         self.collider = None if touched is None else Collider(*touched, self.cloth, device)
+        self.self_contact = None
+        if settings.self_contact:
+            self.self_contact = SelfContact(fabric, self.cloth, self.own_contact, self.physics, device)
         self._graph = None
 
     @property
@@ -79,15 +83,18 @@ class Solver:
             if self.collider is not None:
                 self.collider.move_to(q / self.queries, (q + 1) / self.queries, interval)
                 self.collider.touch(self.contact, interval)
+            if self.self_contact is not None:
+                self.self_contact.find()
             self._integrate()
 
     def _integrate(self) -> None:
         """All substeps up to the next query."""
+        contacts = [self.contact, self.own_contact]
         if self.serial:
-            return self._launch(advance_serial, 1, [self.cloth, self.contact, self.physics, self.steps])
+            return self._launch(advance_serial, 1, [self.cloth, *contacts, self.physics, self.steps])
         for s in range(self.steps):
             self._launch(force_pass, max(len(self.cloth.ends), len(self.cloth.x)), [self.cloth, self.physics])
-            self._launch(particle_pass, len(self.cloth.x), [self.cloth, self.contact, self.physics, s])
+            self._launch(particle_pass, len(self.cloth.x), [self.cloth, *contacts, self.physics, s])
 
     def _launch(self, kernel: wp.Kernel, dim: int, inputs: list) -> None:
         wp.launch(kernel, dim=dim, inputs=inputs, device=self.device)

@@ -31,7 +31,8 @@ class Cloth:
 
 @wp.struct
 class Contact:
-    """A tangent plane of the body for each particle, held until the next query, moving with the touched point."""
+    """A tangent plane of the body (or of the cloth itself) for each particle, held until the next query, moving with the
+    touched point."""
 
     point: wp.array(dtype=wp.vec3)  # at the time of the query [m]; of a pinned particle, where it is held
     normal: wp.array(dtype=wp.vec3)
@@ -98,14 +99,16 @@ def collide(v: wp.vec3, x: wp.vec3, point: wp.vec3, velocity: wp.vec3, n: wp.vec
 
 
 @wp.func
-def move_particle(c: Cloth, h: Contact, p: Physics, i: int, since: float):
-    """One substep of particle i, `since` seconds after the query."""
+def move_particle(c: Cloth, h: Contact, o: Contact, p: Physics, i: int, since: float):
+    """One substep of particle i, `since` seconds after the query; h: the body's contact, o: the cloth's own."""
     if c.pinned[i] == 1:
         c.v[i] = h.velocity[i]
         c.x[i] = h.point[i] + (since + p.dt) * h.velocity[i]
     else:
         v = c.v[i] + p.dt * (c.inverse_mass[i] * total_force(c, i) - wp.vec3(0.0, 0.0, p.gravity))
         v = h.air[i] + p.air_keep * (v - h.air[i])
+        if o.active[i] == 1:
+            v = collide(v, c.x[i], o.point[i] + since * o.velocity[i], o.velocity[i], o.normal[i], p)
         if h.active[i] == 1:
             v = collide(v, c.x[i], h.point[i] + since * h.velocity[i], h.velocity[i], h.normal[i], p)
         c.v[i] = v
@@ -113,7 +116,7 @@ def move_particle(c: Cloth, h: Contact, p: Physics, i: int, since: float):
 
 
 @wp.kernel(enable_backward=False)
-def advance_serial(c: Cloth, h: Contact, p: Physics, substeps: int):
+def advance_serial(c: Cloth, h: Contact, o: Contact, p: Physics, substeps: int):
     """All substeps up to the next query in one launch of one thread: the way on a CPU."""
     for s in range(substeps):
         for i in range(c.x.shape[0]):
@@ -121,7 +124,7 @@ def advance_serial(c: Cloth, h: Contact, p: Physics, substeps: int):
         for e in range(c.ends.shape[0]):
             c.force[e] = edge_force(c, p, e)
         for i in range(c.x.shape[0]):
-            move_particle(c, h, p, i, float(s) * p.dt)
+            move_particle(c, h, o, p, i, float(s) * p.dt)
 
 
 @wp.kernel(enable_backward=False)
@@ -135,7 +138,7 @@ def force_pass(c: Cloth, p: Physics):
 
 
 @wp.kernel(enable_backward=False)
-def particle_pass(c: Cloth, h: Contact, p: Physics, substep: int):
+def particle_pass(c: Cloth, h: Contact, o: Contact, p: Physics, substep: int):
     """The move of each particle: dim = P."""
     i = wp.tid()
-    move_particle(c, h, p, i, float(substep) * p.dt)
+    move_particle(c, h, o, p, i, float(substep) * p.dt)

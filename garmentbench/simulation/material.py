@@ -54,7 +54,8 @@ class Settings:
         contact_damping: Its damping ratio [1].
         contact_depth: Penetration beyond which contact pushes no harder [m]. Between two skins that touch (armpits) a
             vertex has nowhere to go: pushed without bound it shoots to and fro, and is found deeper inside.
-        queries: Nearest-point queries of the body a frame.
+        self_contact: The cloth touches itself.
+        queries: Nearest-point queries of the body, and of the cloth itself, a frame.
         step_margin: The time step over its stability bound [1].
         substep_factor: Times as many substeps as the bound asks for (2 in a doubling study).
         start_noise: Size of a random push of each vertex at the start [m].
@@ -68,6 +69,7 @@ class Settings:
     contact_frequency: float = 1500.0
     contact_damping: float = 0.5
     contact_depth: float = 1e-3
+    self_contact: bool = False
     queries: int = 8
     step_margin: float = 0.9
     substep_factor: int = 1
@@ -76,13 +78,21 @@ class Settings:
     gravity: float = 9.81
 
 
-def override(base: T, changes: dict[str, float], kind: str) -> T:
-    """`base` with some values changed by name. Raises `UsageError` on an unknown name or a value that is no number."""
+def override(base: T, changes: dict[str, float | bool], kind: str) -> T:
+    """`base` with some values changed by name. Raises `UsageError` on an unknown name or a value of another type."""
     kinds = {f.name: type(getattr(base, f.name)) for f in fields(base)}
     for name, value in changes.items():
         if name not in kinds:
             raise unknown_name(kind, name, list(kinds))
-        if isinstance(value, bool) or not isinstance(value, int | float) or value < 0 or (kinds[name] is int and value != int(value)):
-            wanted = "a whole number" if kinds[name] is int else "a number"
-            raise UsageError(f"{kind} '{name}' is {value!r}; wanted {wanted} of at least 0")
+        if not _fits(value, kinds[name]):
+            raise UsageError(f"{kind} '{name}' is {value!r}; wanted {_WANTED[kinds[name]]}")
     return replace(base, **{name: kinds[name](value) for name, value in changes.items()})
+
+
+_WANTED = {bool: "true or false", int: "a whole number of at least 0", float: "a number of at least 0"}
+
+
+def _fits(value: object, kind: type) -> bool:
+    if kind is bool or isinstance(value, bool):
+        return kind is bool and isinstance(value, bool)
+    return isinstance(value, int | float) and value >= 0 and (kind is float or value == int(value))

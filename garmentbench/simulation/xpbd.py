@@ -66,8 +66,8 @@ def project_bend(c: Cloth, b: Bends, p: Physics, s: int):
 
 
 @wp.func
-def settle(c: Cloth, h: Contact, p: Physics, i: int, since: float):
-    """Push out of the body, rub against it, and take the velocity from the way gone."""
+def push_out(c: Cloth, h: Contact, p: Physics, i: int, since: float):
+    """Push out of what is touched, and rub against it."""
     if h.active[i] == 1:
         plane = h.point[i] + (since + p.dt) * h.velocity[i]
         depth = p.thickness - wp.dot(c.x[i] - plane, h.normal[i])
@@ -76,11 +76,18 @@ def settle(c: Cloth, h: Contact, p: Physics, i: int, since: float):
             way = c.x[i] - c.y[i] - p.dt * h.velocity[i]
             way = way - wp.dot(way, h.normal[i]) * h.normal[i]
             c.x[i] = c.x[i] - wp.min(1.0, p.friction * depth / wp.max(wp.length(way), 1.0e-9)) * way
+
+
+@wp.func
+def settle(c: Cloth, h: Contact, o: Contact, p: Physics, i: int, since: float):
+    """Push out of the cloth itself and of the body, and take the velocity from the way gone."""
+    push_out(c, o, p, i, since)
+    push_out(c, h, p, i, since)
     c.v[i] = (c.x[i] - c.y[i]) / p.dt
 
 
 @wp.kernel(enable_backward=False)
-def advance_xpbd(c: Cloth, h: Contact, b: Bends, p: Physics, substeps: int):
+def advance_xpbd(c: Cloth, h: Contact, o: Contact, b: Bends, p: Physics, substeps: int):
     """All substeps up to the next query, one thread: Gauss-Seidel goes from edge to edge."""
     for s in range(substeps):
         since = float(s) * p.dt
@@ -91,7 +98,7 @@ def advance_xpbd(c: Cloth, h: Contact, b: Bends, p: Physics, substeps: int):
         for k in range(b.stiffness.shape[0]):
             project_bend(c, b, p, k)
         for i in range(c.x.shape[0]):
-            settle(c, h, p, i, since)
+            settle(c, h, o, p, i, since)
 
 
 class XpbdSolver(Solver):
@@ -105,4 +112,4 @@ class XpbdSolver(Solver):
         b.stiffness = device_array(fabric.bend_stiffness, float, self.device)
 
     def _integrate(self) -> None:
-        self._launch(advance_xpbd, 1, [self.cloth, self.contact, self.bends, self.physics, self.steps])
+        self._launch(advance_xpbd, 1, [self.cloth, self.contact, self.own_contact, self.bends, self.physics, self.steps])
