@@ -1,8 +1,7 @@
 """Motions: how what a garment is worn by moves, the warm-up before frame 0 included."""
 
 from garmentbench.motion.animation import Animation
-from garmentbench.motion.gait import GAITS
-from garmentbench.motion.human import animate_human
+from garmentbench.motion.human import animate_human, human_motions
 from garmentbench.motion.stick import STICK, animate_stick, stick_motions
 from garmentbench.presets import Preset
 from garmentbench.scene import Scene
@@ -12,7 +11,7 @@ __all__ = ["Animation", "animate", "motion_names"]
 
 def motion_names() -> list[str]:
     """Names of all motions, the human's and the stick's."""
-    return sorted([*GAITS, *stick_motions()])
+    return sorted([*human_motions(), *stick_motions()])
 
 
 def animate(scene: Scene, preset: Preset) -> Animation:
@@ -23,4 +22,8 @@ def animate(scene: Scene, preset: Preset) -> Animation:
     frames = scene.frames if preset.frame_limit is None else min(scene.frames, preset.frame_limit)
     if scene.body == STICK:
         return animate_stick(scene, frames)
+    if scene.motion.file is not None:
+        from garmentbench.clips.animate import animate_clip  # which builds on this package
+
+        return animate_clip(scene, preset.body_size, frames)
     return animate_human(scene, preset.body_size, frames)

@@ -28,3 +28,12 @@ def cyclic_steps(phase: np.ndarray, steps: tuple[tuple[float, float, float], ...
         cycle = np.floor(phase - start)
         total += amount * (cycle + smoothstep((phase - start - cycle) / (stop - start)))
     return total
+
+
+def eased(knots: list[tuple[float, float]], t: np.ndarray) -> np.ndarray:
+    """A path that rests at each knot (time, value) and goes on to the next in a smooth step; shape of t."""
+    total = np.full(np.shape(t), float(knots[0][1]))
+    for (start, low), (stop, high) in zip(knots, knots[1:]):
+        if high != low:
+            total += (high - low) * smoothstep((t - start) / (stop - start))
+    return total

@@ -61,15 +61,15 @@ def roll_foot(baked: BakedBody, gait: Gait) -> FootRoll:
     """
     phase = np.arange(_GRID + 1) / _GRID
     pitch = foot_pitch(gait, phase)
-    sole = _sole(baked, pitch, toe_bend(gait, phase))
-    lowest = sole[:, :, 2].argmin(axis=1)
-    needed = -sole[:, :, 2].min(axis=1) + CLEARANCE * bump((phase - STANCE) / (1 - STANCE))
+    points = sole(baked, pitch, toe_bend(gait, phase))
+    lowest = points[:, :, 2].argmin(axis=1)
+    needed = -points[:, :, 2].min(axis=1) + CLEARANCE * bump((phase - STANCE) / (1 - STANCE))
     height = _smooth(needed)
     sunk_in = (needed - height).max()  # under 1 mm, by the smoothing; the flat foot stands as at rest
     height += sunk_in * smoothstep(np.abs(pitch) / np.radians(5))
 
     frames = np.arange(_GRID)
-    contact_moves = sole[frames, lowest[:-1], 1] - sole[frames + 1, lowest[:-1], 1]  # forward is -y
+    contact_moves = points[frames, lowest[:-1], 1] - points[frames + 1, lowest[:-1], 1]  # forward is -y
     forward = -np.concatenate([[0.0], np.cumsum(contact_moves)])
     last = round(STANCE * _GRID)
     lifted = [forward[last], (forward[last] - forward[last - 1]) * _GRID, 0.0]
@@ -83,7 +83,7 @@ def roll_foot(baked: BakedBody, gait: Gait) -> FootRoll:
     )
 
 
-def _sole(baked: BakedBody, pitch: np.ndarray, bend: np.ndarray) -> np.ndarray:
+def sole(baked: BakedBody, pitch: np.ndarray, bend: np.ndarray) -> np.ndarray:
     """The left foot's lower vertices relative to the ankle, shape (phases, vertices, 3)."""
     ankle, toes = (baked.joint_names.index(name) for name in ("foot.L", "toes.L"))
     weight = baked.weights[:, [ankle, toes]]

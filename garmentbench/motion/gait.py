@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass, replace
 
-from garmentbench.errors import unknown_name
-
 
 @dataclass(frozen=True)
 class Gait:
@@ -65,10 +63,3 @@ GAITS = {
         heel_strike=22.0, push_off=62.0,
     ),
 }
-
-
-def gait(name: str) -> Gait:
-    """The gait of that name. Raises `UsageError` with the nearest name."""
-    if name not in GAITS:
-        raise unknown_name("motion", name, list(GAITS))
-    return GAITS[name]

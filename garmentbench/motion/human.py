@@ -1,16 +1,28 @@
-"""A walking human body: gait, timing and skinning put together."""
+"""A moving human body: motion, timing and skinning put together."""
+
+from collections.abc import Callable
 
 import numpy as np
 
 from garmentbench.bodies import BakedBody, load_body, pose_exact
+from garmentbench.errors import unknown_name
 from garmentbench.motion.animation import Animation
-from garmentbench.motion.gait import Gait, gait
+from garmentbench.motion.gait import GAITS
+from garmentbench.motion.performing import perform
 from garmentbench.motion.placing import place
-from garmentbench.motion.timing import WARM_UP, timing
-from garmentbench.motion.walk import walk
+from garmentbench.motion.scores import SCORES
+from garmentbench.motion.timing import WARM_UP, Timing, score_timing, timing
+from garmentbench.motion.walk import Walk, walk
 from garmentbench.scene import Scene
 
 DRESSED = "base"  # the shape that garments are made for, in which every warm-up begins
+
+Moves = Callable[[BakedBody, slice], Walk]  # a body's bones in the frames of a slice of the animation, warm-up first
+
+
+def human_motions() -> list[str]:
+    """Names of the motions."""
+    return [*GAITS, *SCORES]
 
 
 def animate_human(scene: Scene, size: str, frames: int) -> Animation:
@@ -19,18 +31,34 @@ def animate_human(scene: Scene, size: str, frames: int) -> Animation:
     The warm-up begins in the rest pose of the base shape, at the origin, and morphs to the scene's own shape.
     Raises `UsageError` for an unknown motion or body.
     """
-    steps = gait(scene.motion.name)
+    moves, when = _moves(scene, frames)
     baked = load_body(scene.body, size)
-    when = timing(steps, scene.motion, frames, scene.fps)
-    positions = _vertices(baked, steps, when.phase, when.dressed, when.phase[WARM_UP])
-    morphing = when.shape < 1
+    positions = _vertices(baked, moves, slice(None))
+    morphing = slice(int(np.sum(when.shape < 1)))
     if scene.body != DRESSED:
         share = when.shape[morphing, None, None]
-        base = _vertices(load_body(DRESSED, size), steps, when.phase[morphing], when.dressed[morphing], when.phase[WARM_UP])
+        base = _vertices(load_body(DRESSED, size), moves, morphing)
         positions[morphing] = base + share * (positions[morphing] - base)
     return Animation(baked.body, place(positions, scene.motion), WARM_UP)
 
 
-def _vertices(baked: BakedBody, steps: Gait, phase: np.ndarray, dressed: np.ndarray, first: float) -> np.ndarray:
-    walking = walk(baked, steps, phase, dressed, first)
-    return pose_exact(baked, walking.rotations, walking.root)
+def _moves(scene: Scene, frames: int) -> tuple[Moves, Timing]:
+    """How the bones move, and when."""
+    name = scene.motion.name
+    if name in SCORES:
+        when = score_timing(scene.motion, frames, scene.fps)
+
+        def performed(baked: BakedBody, part: slice) -> Walk:
+            return perform(baked, SCORES[name](baked, float(when.phase[-1])), when.phase[part], when.dressed[part])
+
+        return performed, when
+    if name not in GAITS:
+        raise unknown_name("motion", name, human_motions())
+    steps = GAITS[name]
+    when = timing(steps, scene.motion, frames, scene.fps)
+    return lambda baked, part: walk(baked, steps, when.phase[part], when.dressed[part], when.phase[WARM_UP]), when
+
+
+def _vertices(baked: BakedBody, moves: Moves, part: slice) -> np.ndarray:
+    moving = moves(baked, part)
+    return pose_exact(baked, moving.rotations, moving.root)

@@ -29,7 +29,7 @@ class Varied:
 
 def vary(gait: Gait, phase: np.ndarray) -> Varied:
     """The gait at each phase, shape (T,)."""
-    drifts = [gait.variation * _drift(phase, k) for k in range(6)]
+    drifts = [gait.variation * drift(phase, k) for k in range(6)]
     return Varied(
         arm_space=gait.arm_space + 1.5 * drifts[0],
         arm_swing=gait.arm_swing * (1 + 0.10 * drifts[1]),
@@ -50,7 +50,7 @@ def hurry(cycles: np.ndarray) -> np.ndarray:
     return 0.014 * ahead
 
 
-def _drift(phase: np.ndarray, k: int) -> np.ndarray:
+def drift(phase: np.ndarray, k: int) -> np.ndarray:
     """A smooth drift of variance 1, another one for each k."""
     angle = 2 * np.pi * np.asarray(phase)[..., None] / _PERIODS + 2.4 * (k + 1) * np.arange(1, len(_PERIODS) + 1)
     return np.sin(angle).sum(axis=-1) * np.sqrt(2 / len(_PERIODS))
