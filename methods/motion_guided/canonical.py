@@ -4,12 +4,16 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
+import scipy.sparse as sp
 
 from garmentbench.atomic import written_whole
 from garmentbench.errors import UserError
-from garmentbench.geometry.mesh import edge_lengths, unique_edges
+from garmentbench.geometry.mesh import edge_lengths, tangent_frames, unique_edges
 from garmentbench.geometry.seeds import SeedPoints, select_seeds
+from garmentbench.geometry.surface_seeds import SurfaceSeeds
+from garmentbench.geometry.uvmap import Chart, bilinear_table, chart
 from garmentbench.sequence import Template
+from methods.motion_guided.uv_tables import UVTables, table_matrix
 
 
 @dataclass(frozen=True)
@@ -23,14 +27,16 @@ class Canonical:
         seams: Pairs of vertices that are one point of cloth, shape (S, 2).
         seeds: The seed points. Their labels count only where the scene needs a radius per part, else they are None.
         body_size: Vertices of the body.
+        tables: A released model's own; None where they follow from the template.
     """
 
     rest: np.ndarray
     faces: np.ndarray
     uv: np.ndarray
     seams: np.ndarray
-    seeds: SeedPoints
+    seeds: SeedPoints | SurfaceSeeds
     body_size: int
+    tables: UVTables | None = None
 
     @classmethod
     def of(cls, template: Template, seed_count: int) -> "Canonical":
@@ -50,6 +56,21 @@ class Canonical:
         lengths = np.concatenate([edge_lengths(self.rest, edges), np.zeros(len(self.seams))])
         return np.concatenate([edges, self.seams]), lengths
 
+    @property
+    def frames(self) -> np.ndarray:
+        """H_0, columns tangent, bitangent and normal, shape (V, 3, 3)."""
+        return tangent_frames(self.rest, self.faces, self.uv) if self.tables is None else self.tables.frames
+
+    def chart(self, size: int) -> Chart:
+        """From vertices to a map of `size` pixels a side."""
+        return chart(self.uv, self.faces, size) if self.tables is None else self.tables.chart
+
+    def sampling(self, size: int) -> sp.csr_matrix:
+        """From a map of `size` pixels a side to vertices, shape (V, size^2), bilinearly."""
+        if self.tables is None:
+            return table_matrix(*bilinear_table(self.uv, size), size)
+        return self.tables.sampling(size)
+
     def check_fits(self, template: Template) -> None:
         """Raise `UserError` unless the template has the same garment and a body of the same mesh."""
         bodies = 0 if template.body is None else len(template.body.rest)
@@ -63,17 +84,19 @@ class Canonical:
     def save(self, path: Path) -> None:
         """Write to an npz file, whole."""
         seeds = {f"seed_{k}": v for k, v in asdict(self.seeds).items() if v is not None}
-        garment = {k: v for k, v in vars(self).items() if k != "seeds"}
+        garment = {k: v for k, v in vars(self).items() if k not in ("seeds", "tables")}
+        tables = {} if self.tables is None else self.tables.arrays()
         with written_whole(path) as partial, partial.open("wb") as file:
-            np.savez(file, **garment, **seeds)
+            np.savez(file, **garment, **seeds, **tables)
 
     @classmethod
     def load(cls, path: Path) -> "Canonical":
         """Read what `save` wrote."""
         with np.load(path, allow_pickle=False) as z:
-            seeds = {k.removeprefix("seed_"): z[k] for k in z.files if k.startswith("seed_")}
+            seeds = {"labels": None} | {k.removeprefix("seed_"): z[k] for k in z.files if k.startswith("seed_")}
             return cls(
                 *(z[k] for k in ("rest", "faces", "uv", "seams")),
-                seeds=SeedPoints(**{"labels": None, **seeds}),
+                seeds=SurfaceSeeds(**seeds) if "corners" in seeds else SeedPoints(**seeds),
                 body_size=int(z["body_size"]),
+                tables=UVTables.from_arrays(dict(z)),
             )

@@ -19,7 +19,7 @@ from methods.motion_guided.descriptor import MapToVertex
 from methods.motion_guided.frames import to_tensor
 from methods.motion_guided.sparse import SparseMatrix
 
-ADAM = (0.9, 0.999, 1e-8)
+ADAM_EPS = 1e-8
 
 
 @dataclass(frozen=True)
@@ -36,13 +36,13 @@ class Residual:
         """No displacement."""
         return cls(*(torch.zeros(1, 3, size, size, device=device) for _ in range(3)), steps=0)
 
-    def stepped(self, gradient: Tensor, learning_rate: float) -> "Residual":
+    def stepped(self, gradient: Tensor, learning_rate: float, betas: tuple[float, float]) -> "Residual":
         """After one step of Adam."""
-        decay1, decay2, eps = ADAM
+        decay1, decay2 = betas
         n = self.steps + 1
         first = decay1 * self.first + (1 - decay1) * gradient
         second = decay2 * self.second + (1 - decay2) * gradient.square()
-        change = first / (1 - decay1**n) / ((second / (1 - decay2**n)).sqrt() + eps)
+        change = first / (1 - decay1**n) / ((second / (1 - decay2**n)).sqrt() + ADAM_EPS)
         return Residual(self.map - learning_rate * change, first, second, n)
 
 
@@ -64,7 +64,7 @@ class CollisionStage:
     def __init__(self, canonical: Canonical, body: Body, options: Collision, device: torch.device) -> None:
         self.options, self.faces = options, body.faces
         self.corners = corner_matrix(body.faces, len(body.rest))
-        self.to_vertex = MapToVertex(canonical.uv, options.map_size).to(device)
+        self.to_vertex = MapToVertex(canonical.sampling(options.map_size)).to(device)
         self.laplacian = SparseMatrix(laplacian(canonical.faces, len(canonical.rest))).to(device)
 
     def resolve(
@@ -105,7 +105,7 @@ class CollisionStage:
                 if not depths.any():
                     break
                 (gradient,) = torch.autograd.grad(self._loss(offset, depths), map)
-            residual = residual.stepped(gradient, self.options.learning_rate)
+            residual = residual.stepped(gradient, self.options.learning_rate, self.options.betas)
         return garment + self._offset(residual.map, directions), residual
 
     def _offset(self, map: Tensor, directions: Tensor) -> Tensor:

@@ -163,6 +163,8 @@ class Collision:
     """lambda_3, of the depths' sum (code: 1e4, of their mean)."""
     learning_rate: float = 1e-3
     """Of Adam."""
+    betas: tuple[float, float] = (0.9, 0.999)
+    """Of Adam (code: 0, 0.9)."""
     steps: int = 51
     """At most so many steps a frame (code); it ends early when nothing penetrates any more."""
     carry: bool = True

@@ -7,7 +7,7 @@ import scipy.sparse as sp
 import torch
 from torch import Tensor, nn
 
-from garmentbench.geometry.uvmap import bilinear_table, chart
+from garmentbench.geometry.uvmap import Chart
 from methods.motion_guided.sparse import SparseMatrix
 
 FORCE_REACH = 0.04  # sigma of the interaction force [m]; the paper does not give it, the code does
@@ -15,13 +15,13 @@ UV_BANDS = 8
 
 
 class VertexToMap(nn.Module):
-    """Values at vertices, shape (batch, V, D), to a map, shape (batch, D, S, S), 0 outside the chart."""
+    """Values at V vertices, shape (batch, V, D), to a map, shape (batch, D, S, S), 0 outside the chart."""
 
-    def __init__(self, uv: np.ndarray, faces: np.ndarray, size: int) -> None:
+    def __init__(self, table: Chart, vertices: int) -> None:
         super().__init__()
-        table = chart(uv, faces, size)
+        size = table.size
         rows = np.repeat(table.pixels, 3)
-        matrix = sp.csr_matrix((table.weights.ravel(), (rows, table.vertices.ravel())), (size * size, len(uv)))
+        matrix = sp.csr_matrix((table.weights.ravel(), (rows, table.vertices.ravel())), (size * size, vertices))
         self.register_buffer("covered", torch.from_numpy(table.pixels), persistent=False)
         mask = np.zeros(size * size, np.float32)
         mask[table.pixels] = 1
@@ -38,13 +38,11 @@ class VertexToMap(nn.Module):
 
 
 class MapToVertex(nn.Module):
-    """A map, shape (batch, D, S, S), to values at vertices, shape (batch, V, D), bilinearly."""
+    """A map, shape (batch, D, S, S), to values at vertices, shape (batch, V, D), by a matrix, shape (V, S^2)."""
 
-    def __init__(self, uv: np.ndarray, size: int) -> None:
+    def __init__(self, sampling: sp.csr_matrix) -> None:
         super().__init__()
-        pixels, weights = bilinear_table(uv, size)
-        rows = np.repeat(np.arange(len(uv)), 4)
-        self.matrix = SparseMatrix(sp.csr_matrix((weights.ravel(), (rows, pixels.ravel())), (len(uv), size * size)))
+        self.matrix = SparseMatrix(sampling)
 
     def forward(self, values: Tensor) -> Tensor:
         return self.matrix(values.flatten(2).transpose(1, 2))
@@ -73,5 +71,5 @@ def uv_encoding(uv: Tensor) -> Tensor:
     Args:
         uv: UV coordinates in [0, 1], shape (V, 2).
     """
-    bands = [uv * 256 * math.pi / 2 ** (k + 1) for k in range(UV_BANDS)]
+    bands = [uv * 256 * (math.pi / 2 ** (k + 1)) for k in range(UV_BANDS)]  # rounded as in the authors' code
     return torch.cat([wave for band in bands for wave in (torch.sin(band), torch.cos(band))], dim=-1)

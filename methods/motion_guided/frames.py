@@ -12,6 +12,7 @@ import torch
 from torch import Tensor
 
 from garmentbench.geometry.seeds import SeedPoints, seed_frames
+from garmentbench.geometry.surface_seeds import SurfaceSeeds, surface_frames
 
 
 @dataclass(frozen=True)
@@ -88,9 +89,12 @@ def link(before: BodyFrames, now: BodyFrames) -> Link:
     return Link(to_tensor(turn, device), to_tensor((before.origin - now.origin) @ now.axes, device))
 
 
-def body_frames(body: np.ndarray, seeds: SeedPoints, rotation: str, axes: str, device: torch.device) -> BodyFrames:
+def body_frames(
+    body: np.ndarray, seeds: SeedPoints | SurfaceSeeds, rotation: str, axes: str, device: torch.device
+) -> BodyFrames:
     """From body vertices [m], shape (T, B, 3); `rotation` and `axes` are the options of `Model`."""
-    positions, rotations, normals = seed_frames(body, seeds)
+    frames_of = surface_frames if isinstance(seeds, SurfaceSeeds) else seed_frames
+    positions, rotations, normals = frames_of(body, seeds)
     if rotation == "normal":
         rotations = smallest_rotations(seeds.frames[..., 2], normals)
     origin = positions.mean(axis=-2, keepdims=True, dtype=np.float64)

@@ -4,7 +4,7 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from garmentbench.geometry.mesh import laplacian, tangent_frames
+from garmentbench.geometry.mesh import laplacian
 from methods.motion_guided.canonical import Canonical
 from methods.motion_guided.config import Model
 from methods.motion_guided.descriptor import MapToVertex, VertexToMap, uv_encoding
@@ -25,7 +25,7 @@ class GenerativeModel(nn.Module):
     def __init__(self, canonical: Canonical, options: Model) -> None:
         super().__init__()
         self.options = options
-        seeds, size = len(canonical.seeds.vertices), options.map_size
+        seeds, size = len(canonical.seeds.rest), options.map_size
         self.features_block = GeometryFeatures(seeds, options.width)
         self.encoder = Encoder(options.width, size, options.width, options.latent)
         self.decoder = Decoder(size, options.width, options.latent)
@@ -40,13 +40,13 @@ class GenerativeModel(nn.Module):
 
     def _constants(self, canonical: Canonical, part: np.ndarray) -> None:
         size = self.options.map_size
-        self.to_map = VertexToMap(canonical.uv, canonical.faces, size)
-        self.to_vertex = MapToVertex(canonical.uv, 2 * size)
+        self.to_map = VertexToMap(canonical.chart(size), len(canonical.rest))
+        self.to_vertex = MapToVertex(canonical.sampling(2 * size))
         self.laplacian = SparseMatrix(laplacian(canonical.faces, len(canonical.rest)))
         edges, lengths = canonical.edges
         tables = {
             "rest": canonical.rest,
-            "frames": tangent_frames(canonical.rest, canonical.faces, canonical.uv),
+            "frames": canonical.frames,
             "canonical_seeds": canonical.seeds.rest,
             "edge_lengths": lengths,
         }

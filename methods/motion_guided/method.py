@@ -79,7 +79,7 @@ class MotionGuided:
         canonical, weights = Canonical.load(folder / "canonical.npz"), load(folder / "weights.pt", _device())
         touches = any(name.startswith("motion_block.force") for name in weights["dynamics"])
         generative = GenerativeModel(canonical, config.model)
-        dynamics = DynamicEncoder(config.model, len(canonical.seeds.vertices), touches, config.stage2.pose_path)
+        dynamics = DynamicEncoder(config.model, len(canonical.seeds.rest), touches, config.stage2.pose_path)
         for module, state in ((generative, weights["generative"]), (dynamics, weights["dynamics"])):
             module.to(_device()).requires_grad_(False).load_state_dict(state)
         return cls(canonical, config, generative, dynamics, touches)

@@ -129,7 +129,7 @@ class DisplacementMLP(nn.Module):
         """Displacements, shape (batch, V, 3), of features, shape (batch, V, F), and UV encoding, shape (V, U)."""
         for layer in self.uv:
             uv = F.leaky_relu(layer(uv), MLP_SLOPE)
-        x = _of_parts(self.first, features, uv)
+        x = F.leaky_relu(_of_parts(self.first, features, uv), MLP_SLOPE)
         for layer in self.residual:
             x = x + F.leaky_relu(layer(x), MLP_SLOPE)
         hidden, last = self.last

@@ -79,13 +79,14 @@ def test_depths_by_hand():
     assert planes.depths(torch.tensor([[0.3, 0.2, -0.5], [0, 0, 0.5]])).tolist() == [0.5, 0.0]
 
 
-def test_adam_is_torchs(trained):
+@pytest.mark.parametrize("betas", [(0.9, 0.999), (0.0, 0.9)])
+def test_adam_is_torchs(betas):
     torch.manual_seed(0)
     gradients = torch.randn(5, 1, 3, 4, 4)
     parameter = torch.nn.Parameter(torch.zeros(1, 3, 4, 4))
-    adam, residual = torch.optim.Adam([parameter], lr=1e-3), Residual.none(4, CPU)
+    adam, residual = torch.optim.Adam([parameter], lr=1e-3, betas=betas), Residual.none(4, CPU)
     for gradient in gradients:
         parameter.grad = gradient
         adam.step()
-        residual = residual.stepped(gradient, 1e-3)
+        residual = residual.stepped(gradient, 1e-3, betas)
     np.testing.assert_allclose(residual.map, parameter.detach(), atol=1e-8)

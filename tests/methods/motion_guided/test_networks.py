@@ -54,7 +54,7 @@ def test_displacement_mlp_equals_the_plain_concatenation():
     for layer in block.uv:
         encoded = act(layer(encoded))
     inputs = torch.cat([features, encoded.expand(2, -1, -1)], dim=-1)
-    x = block.first(inputs)
+    x = act(block.first(inputs))
     for layer in block.residual:
         x = x + act(layer(x))
     plain = block.last[1](act(block.last[0](torch.cat([x, inputs], dim=-1))))
