@@ -1,12 +1,10 @@
-"""Commands that show, make and check data."""
+"""Commands that show and make data."""
 
 from dataclasses import dataclass
-from pathlib import Path
 
 from tyro.conf import Positional
 
 from garmentbench.commands.table import print_table
-from garmentbench.errors import UserError
 
 
 @dataclass(frozen=True)
@@ -82,32 +80,3 @@ class Simulate:
         require_device(size)
         for name in self.scenes:
             print(make_sequence(name, size))
-
-
-@dataclass(frozen=True)
-class Check:
-    """Say everything that is wrong with a sequence file, in one go.
-
-    Example: garmentbench check datasets/generated/laptop/tshirt-armspace-75.h5 --picture frame0.png
-
-    Attributes:
-        file: The HDF5 file.
-        picture: Also draw frame 0 into this PNG file.
-    """
-
-    file: Positional[Path]
-    picture: Path | None = None
-
-    def run(self) -> None:
-        from garmentbench import check
-        from garmentbench.problem import errors
-
-        problems = check.check_sequence(self.file)
-        for problem in problems:
-            print(f"{'warning' if problem.warning else 'error'}: {problem}")
-        bad = len(errors(problems))
-        if bad:
-            raise UserError(f"{self.file}: {bad} error{'s' if bad > 1 else ''}, listed above; the file can't be used as it is")
-        if self.picture is not None:
-            check.picture(self.file, self.picture)
-        print(f"{self.file}: {'good, but see the warnings' if problems else 'good'}")

@@ -51,18 +51,25 @@ def unwrap(positions: np.ndarray, faces: np.ndarray) -> Unwrapped:
         source, corners, uv = atlas[0]
     except (RuntimeError, ValueError) as e:
         raise UserError(f"xatlas can't unwrap the mesh ({e}); repair it first: garmentbench check FILE --fix OUT") from e
-    return _in_order(len(positions), source.astype(np.int64), corners, uv)
+    return in_order(len(positions), source.astype(np.int64), corners, np.clip(uv, 0.0, 1.0))  # rounding may leave it by a hair
 
 
-def _in_order(count: int, source: np.ndarray, corners: np.ndarray, uv: np.ndarray) -> Unwrapped:
-    """Give the first copy of each of the `count` vertices that vertex's own number, and number the others after them."""
+def in_order(count: int, source: np.ndarray, corners: np.ndarray, uv: np.ndarray) -> Unwrapped:
+    """Number the vertices of a mesh that was cut open so that the first copy of each keeps its vertex's own number.
+
+    Args:
+        count: Vertices of the mesh as it was, V.
+        source: The vertex that each vertex stands for, shape (V2,).
+        corners: Triangles, shape (F, 3).
+        uv: UV coordinates, shape (V2, 2).
+    """
     used, first = np.unique(source, return_index=True)
     number = np.full(len(source), -1)
     number[first] = used
     copies = np.flatnonzero(number < 0)
     number[copies] = count + np.arange(len(copies))
     placed = np.zeros((count + len(copies), 2), np.float32)
-    placed[number] = np.clip(uv, 0.0, 1.0)
+    placed[number] = uv
     sources = np.concatenate([np.arange(count), source[copies]])
     seams = np.stack([source[copies], number[copies]], axis=1)
     return Unwrapped(sources, number[corners].astype(np.int32), placed, seams.astype(np.int32))

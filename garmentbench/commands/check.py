@@ -1,0 +1,109 @@
+"""The command that looks for what is wrong with a garment's mesh or a sequence, and repairs meshes."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from tyro.conf import Positional
+
+from garmentbench.errors import UsageError, UserError
+from garmentbench.problem import Problem, errors
+
+
+@dataclass(frozen=True)
+class Check:
+    """Say everything that is wrong with a garment's mesh or a sequence file, in one go; repair a mesh where that is safe.
+
+    Example: garmentbench check shirt.obj --body base --fix shirt.npz --picture shirt.png
+
+    Attributes:
+        file: A mesh (.obj, .ply, or a garment's .npz), or a sequence (HDF5).
+        picture: Also draw it into this PNG file: a mesh with all that was found in red, or frame 0 of a sequence.
+        body: Say where a mesh starts inside this body: a baked one (base, slim ...), a mesh, or a sequence's.
+        fix: Write the garment, repaired where that is safe, to this .obj or .npz file, and check that.
+        units: The mesh's unit, for --fix: m, cm or mm. Not needed where its size tells.
+        make_uv: With --fix, make a UV map by xatlas where there is none, or it overlaps or folds.
+        weld: With --fix, weld borders that lie this near [m]. By default a hundred-thousandth of the garment's size.
+    """
+
+    file: Positional[Path]
+    picture: Path | None = None
+    body: str = ""
+    fix: Path | None = None
+    units: str = ""
+    make_uv: bool = False
+    weld: float | None = None
+
+    def run(self) -> None:
+        from garmentbench.device import quiet_warp
+        from garmentbench.doctor.reading import is_mesh_file
+
+        self._refuse_odd_calls()
+        if self.body or self.picture is not None:
+            quiet_warp()
+        if is_mesh_file(self.file) or self.fix is not None:
+            self._check_mesh()
+        else:
+            self._check_sequence()
+
+    def _refuse_odd_calls(self) -> None:
+        from garmentbench.doctor.mend import UNITS
+        from garmentbench.doctor.writing import writable
+
+        for name, given in (("--units", self.units), ("--make-uv", self.make_uv), ("--weld", self.weld is not None)):
+            if given and self.fix is None:
+                raise UsageError(f"check: {name} says how to repair; give --fix OUT.obj or OUT.npz with it")
+        if self.units and self.units not in UNITS:
+            raise UsageError(f"--units is '{self.units}'; wanted {', '.join(UNITS)}")
+        if self.weld is not None and not 0 < self.weld < 0.1:
+            raise UsageError(f"--weld is {self.weld:g}; wanted metres above 0 and below 0.1")
+        if self.fix is not None:
+            writable(self.fix)
+
+    def _check_mesh(self) -> None:
+        from garmentbench.doctor.examine import examine, summary
+        from garmentbench.doctor.picture import picture
+        from garmentbench.doctor.reading import read_mesh, read_wearer
+
+        mesh, wearer, file = read_mesh(self.file), read_wearer(self.body) if self.body else None, self.file
+        if self.fix is not None:
+            self._mend(mesh, wearer)
+            mesh, file = read_mesh(self.fix), self.fix
+        findings = examine(mesh, wearer)
+        print(f"{file}: {summary(mesh)}")
+        if self.picture is not None:
+            picture(mesh, findings, self.picture)
+        _verdict(file, [f.problem for f in findings])
+
+    def _mend(self, mesh, wearer) -> None:
+        from garmentbench.doctor.mend import mend
+        from garmentbench.doctor.writing import write_mesh
+
+        mended, lines = mend(mesh, wearer, self.units or None, self.make_uv, self.weld)
+        lines += write_mesh(self.fix, mended)
+        for line in lines or ["nothing to repair"]:
+            print(f"fix: {line}")
+        print(f"{self.fix}: written; what is left:")
+
+    def _check_sequence(self) -> None:
+        from garmentbench import check, sequence_file
+        from garmentbench.doctor.examine import examine_template
+        from garmentbench.doctor.reading import mesh_of
+
+        problems = check.check_sequence(self.file)
+        if not errors(problems):
+            template = sequence_file.load(self.file, frames=1).template
+            found = examine_template(mesh_of(template.garment))
+            problems += [replace(f.problem, where=f"garment {f.problem.where}", warning=True) for f in found]
+            if self.picture is not None:
+                check.picture(self.file, self.picture)
+        _verdict(self.file, problems)
+
+
+def _verdict(file: Path, problems: list[Problem]) -> None:
+    """Print the problems, errors first, and a last line. Raises `UserError` where there are errors."""
+    for problem in sorted(problems, key=lambda p: p.warning):
+        print(f"{'warning' if problem.warning else 'error'}: {problem}")
+    bad = len(errors(problems))
+    if bad:
+        raise UserError(f"{file}: {bad} error{'s' if bad > 1 else ''}, listed above; the file can't be used as it is")
+    print(f"{file}: {'good, but see the warnings' if problems else 'good'}")

@@ -1,0 +1,151 @@
+"""Repairs of a garment's mesh, each safe by itself: a mesh in, the mended mesh and a line on what was done out.
+
+A repair that has nothing to do gives the very mesh that it was given, and no line.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from garmentbench.doctor.coincident import SAME_UV, gaps
+from garmentbench.doctor.finding import counted
+from garmentbench.doctor.mesh import Mesh
+from garmentbench.doctor.orientation import inward_patches
+from garmentbench.doctor.shape import FLAT, POINT, heights
+from garmentbench.doctor.topology import components, doubles, repeats_a_corner, sides, winding
+from garmentbench.doctor.wearer import Wearer
+
+Done = tuple[Mesh, list[str]]
+_TRIES = 5
+
+
+def drop_unused(mesh: Mesh) -> Done:
+    """Without the vertices that no face uses."""
+    used = np.unique(mesh.faces)
+    count = len(mesh.vertices) - len(used)
+    return (compact(mesh), [f"removed {counted(count, 'vertex', 'vertices')} without a face"]) if count else (mesh, [])
+
+
+def compact(mesh: Mesh) -> Mesh:
+    """Only the vertices that faces use, in their order."""
+    used = np.unique(mesh.faces)
+    number = np.full(len(mesh.vertices), -1)
+    number[used] = np.arange(len(used))
+    seams, pins = number[mesh.seams], number[mesh.pins]
+    return replace(
+        mesh, vertices=mesh.vertices[used], faces=number[mesh.faces], uv=None if mesh.uv is None else mesh.uv[used],
+        numbers=mesh.numbers[used], seams=seams[(seams >= 0).all(axis=1)], pins=pins[pins >= 0])
+
+
+def merge_points(mesh: Mesh) -> Done:
+    """Both ends of edges without length are one vertex; the faces that vanish with them are removed."""
+    a, b = mesh.faces, np.roll(mesh.faces, -1, axis=1)
+    near = (np.linalg.norm(mesh.vertices[a] - mesh.vertices[b], axis=2) <= POINT * mesh.size) & (a != b)
+    pairs = np.stack([a[near], b[near]], axis=1)
+    merged = _merged(mesh, pairs)
+    whole = ~repeats_a_corner(merged.corners)
+    lost, lines = int((~whole).sum()), []
+    if len(pairs):
+        lines.append(f"merged the ends of {counted(len(np.unique(np.sort(pairs, axis=1), axis=0)), 'edge')} without length")
+    if lost:
+        lines.append(f"removed {counted(lost, 'face')} that named a point twice")
+        merged = replace(merged, faces=merged.faces[whole])
+    return (merged, lines) if lines else (mesh, [])
+
+
+def drop_doubles(mesh: Mesh) -> Done:
+    """Of faces with the same corners only the first."""
+    again = doubles(mesh.corners)
+    if not len(again):
+        return mesh, []
+    return replace(mesh, faces=np.delete(mesh.faces, again, axis=0)), [f"removed {counted(len(again), 'face')} that lay on another"]
+
+
+def drop_flat(mesh: Mesh) -> Done:
+    """Without the faces without area whose removal opens no slit: those on a border, by their longest side."""
+    before = len(mesh.faces)
+    for _ in range(before):
+        flat = np.flatnonzero((heights(mesh)[0] <= FLAT) & _on_border(mesh))
+        if not len(flat):
+            break
+        mesh = replace(mesh, faces=np.delete(mesh.faces, flat, axis=0))
+    lost = before - len(mesh.faces)
+    return mesh, [f"removed {counted(lost, 'face')} without area from the borders"] if lost else []
+
+
+def _on_border(mesh: Mesh) -> np.ndarray:
+    """Faces that can go without a slit: two or three sides on a border, or the longest and the corner opposite inside."""
+    corners = mesh.points[mesh.corners]
+    open_ = (mesh.sides.edge >= 0) & (mesh.sides.count[mesh.sides.edge] == 1)
+    longest = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2).argmax(axis=1)
+    rows = np.arange(len(longest))
+    on_border = np.zeros(len(mesh.points), bool)
+    on_border[mesh.sides.edges[mesh.sides.count == 1]] = True
+    inner = ~on_border[mesh.corners[rows, (longest + 2) % 3]]
+    return (open_.sum(axis=1) >= 2) | (open_[rows, longest] & inner)
+
+
+def weld_gaps(mesh: Mesh, tolerance: float | None = None) -> Done:
+    """Borders that coincide edge by edge joined: vertices of the same UV become one, others are noted as a seam."""
+    found = gaps(mesh, tolerance)
+    joins = _without_new_fins(mesh, found.joins)
+    if not len(joins):
+        return mesh, []
+    extent = 0.0 if mesh.uv is None else float(np.ptp(mesh.uv[np.isfinite(mesh.uv)], initial=0.0))
+    same = np.ones(len(joins), bool)
+    if mesh.uv is not None:
+        same = ~(np.abs(mesh.uv[joins[:, 0]] - mesh.uv[joins[:, 1]]).max(axis=1) > SAME_UV * extent)
+    sewn = replace(mesh, seams=np.concatenate([mesh.seams, joins[~same]]))
+    mended = _merged(sewn, joins[same])
+    mended = replace(mended, vertices=mended.points[mended.point])  # what is one point lies in one place
+    return mended, [f"joined {counted(len(joins), 'pair')} of vertices along coinciding borders "
+                    f"({int(same.sum())} welded, {int((~same).sum())} sewn across UV seams)"]
+
+
+def _without_new_fins(mesh: Mesh, joins: np.ndarray) -> np.ndarray:
+    """Those joins that make no edge of more than two faces."""
+    for _ in range(_TRIES):
+        point = components(len(mesh.vertex), mesh.point[joins])
+        met = sides(point[mesh.corners])
+        fins = met.edges[met.count > 2]
+        was = {tuple(e) for e in np.sort(point[mesh.sides.edges[mesh.sides.count > 2]], axis=1).tolist()}
+        new = [e for e in fins.tolist() if tuple(e) not in was]
+        if not new:
+            return joins
+        joins = joins[~np.isin(point[mesh.point[joins[:, 0]]], np.unique(new))]
+    return joins[:0]
+
+
+def turn_faces(mesh: Mesh, wearer: Wearer | None) -> Done:
+    """Neighbours wound alike, and outwards."""
+    way, lines = winding(mesh.sides), []
+    inward = np.isin(way.patch, inward_patches(mesh, way, None if wearer is None else wearer.body))
+    if way.turned.any():
+        lines.append(f"turned {counted(int(way.turned.sum()), 'face')} that ran against the neighbours")
+    if inward.any():
+        lines.append(f"turned {counted(int(inward.sum()), 'face')} that faced inwards")
+    turn = way.turned != inward
+    return (replace(mesh, faces=np.where(turn[:, None], mesh.faces[:, ::-1], mesh.faces)), lines) if lines else (mesh, [])
+
+
+def fit_uv(mesh: Mesh) -> Done:
+    """UV moved by whole tiles and scaled, the same in u and v, into the unit square."""
+    if mesh.uv is None or not np.isfinite(mesh.uv[mesh.faces]).all():
+        return mesh, []
+    used = mesh.uv[mesh.faces].reshape(-1, 2)
+    if used.min() >= 0 and used.max() <= 1:
+        return mesh, []
+    low = np.floor(used.min(axis=0))
+    tiles = max(float(np.ceil(used.max(axis=0) - low).max()), 1.0)
+    moved = f"moved the UV map by ({-low[0]:g}, {-low[1]:g})" + (f" and scaled it by 1/{tiles:g}" if tiles > 1 else "")
+    return replace(mesh, uv=np.clip((mesh.uv - low) / tiles, 0.0, 1.0)), [f"{moved} into the unit square"]
+
+
+def _merged(mesh: Mesh, pairs: np.ndarray) -> Mesh:
+    """Joined vertices become the first of them; the others stay behind unused."""
+    label = components(len(mesh.vertices), pairs)
+    into = np.unique(label, return_index=True)[1][label]
+    seams = into[mesh.seams]
+    return replace(
+        mesh, faces=into[mesh.faces], seams=seams[seams[:, 0] != seams[:, 1]],
+        pins=into[mesh.pins][np.sort(np.unique(into[mesh.pins], return_index=True)[1])])
