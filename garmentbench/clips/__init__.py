@@ -1,0 +1,1 @@
+"""Recorded motions (BVH, AMASS) on our bodies: reading, retargeting, feet on the floor."""
