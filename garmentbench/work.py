@@ -106,6 +106,34 @@ def train(method_name: str, variant: str, scene: str, preset: Preset, frames: in
     return store.get(run.id)
 
 
+def keep(method: Method, variant: str, origin: str, data: str, store: RunStore) -> Run:
+    """The finished run of a method that was trained elsewhere, so that it can be evaluated as any other.
+
+    Args:
+        method: The trained method.
+        variant: What to call it in tables, beside the method's name.
+        origin: What it was trained on.
+        data: Hash of the files that it was made from.
+        store: Where the run goes.
+    """
+    identity = {
+        "method": method.name,
+        "variant": variant,
+        "train_scene": origin,
+        "train_frames": None,
+        "seed": 0,
+        "data": data,
+        "code": fingerprint(type(method).__module__),
+    }
+    with store.open("train", identity) as run:
+        if not run.finished:
+            folder = run.folder / "method"
+            folder.mkdir(exist_ok=True)
+            method.save(folder)
+            run.finish()
+    return store.get(run.id)
+
+
 def evaluate(trained: Run, scene: str, preset: Preset, store: RunStore) -> Run:
     """Roll a trained method out on a scene, ask it for single steps, and measure both.
 

@@ -5,6 +5,7 @@ What a command needs is imported when it runs, so that `garmentbench --help` is 
 
 from typing import Protocol
 
+from garmentbench.commands.authors import ImportAuthors, ImportAuthorsModel
 from garmentbench.commands.check import Check
 from garmentbench.commands.data import Scenes, Simulate
 from garmentbench.commands.exchange import Export, Import
@@ -26,6 +27,8 @@ COMMANDS: dict[str, type[Command]] = {
     "simulate": Simulate,
     "import": Import,
     "import-motion": ImportMotion,
+    "import-authors": ImportAuthors,
+    "import-authors-model": ImportAuthorsModel,
     "export": Export,
     "check": Check,
     "check-method": CheckMethod,

@@ -86,7 +86,7 @@ class Evaluate:
     Example: garmentbench evaluate skinning --scene tshirt-armspace-90 --preset smoke
 
     Attributes:
-        method: A method's name, or module:Class.
+        method: A method's name, module:Class, or the id of a training's run (train-...), which is then evaluated as it is.
         train_scene: Scene that it was, or will be, trained on, or a sequence file (.h5).
         scene: Scene to evaluate on, or a sequence file (.h5).
         preset: Size: smoke, laptop or paper.
@@ -110,8 +110,10 @@ class Evaluate:
         from garmentbench.runs import RunStore
         from garmentbench.work import evaluate
 
-        _ready(self.preset, self.device, self.train_scene, self.scene)
-        run = evaluate(_trained(self), self.scene, preset(self.preset), RunStore())
+        finished = self.method.startswith("train-")
+        _ready(self.preset, self.device, *([] if finished else [self.train_scene]), self.scene)
+        trained = RunStore().get(self.method) if finished else _trained(self)
+        run = evaluate(trained, self.scene, preset(self.preset), RunStore())
         print_table([{k: row.get(k) for k in ("metric", "horizon", "value", "unit", "status")} for row in run.results["rows"]])
         print(f"{run.id}: {run.folder}")
 

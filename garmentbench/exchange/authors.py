@@ -1,7 +1,6 @@
 """The data that the authors of the motion-guided model released, as one of our sequences."""
 
 import warnings
-from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
 
@@ -19,22 +18,23 @@ FPS = 30.0  # no file says it; the authors' scripts note a step of 1 / 30 s
 UNEVEN = 1e-3  # [m] How far a stored velocity may be from the difference of two positions
 
 
-@dataclass(frozen=True)
-class Reading:
-    """How a release is read: its placement, and frames a second."""
-
-    place: Placement
-    fps: float
-
-
 def read_release(
-    release: Release, case: str = "", fps: float = FPS, unit: str = "auto", axes: str = "auto", frames: int | None = None
+    release: Release,
+    scene: str,
+    case: str = "",
+    split: str = "train",
+    fps: float = FPS,
+    unit: str = "auto",
+    axes: str = "auto",
+    frames: int | None = None,
 ) -> tuple[Sequence, list[str]]:
     """A sequence, and what is to be said back of it, line by line.
 
     Args:
         release: The folder and the garment.
+        scene: What it is called in tables.
         case: Folder of the motion below it, e.g. "unseen_test/rumba_swing"; "" for the release's own.
+        split: "train" or "test".
         fps: Frames a second, which no file says.
         unit, axes: As for `placement`.
         frames: Read only the first so many.
@@ -49,7 +49,6 @@ def read_release(
     garment = read_garment(release, place)
     files, dropped = _common(release.garment_frames(case), release.body_frames(case), frames)
     clothes, bodies = _read_frames(files, place, len(garment.rest), len(rest))
-    name = f"{release.garment}-{Path(case).name or release.folder.name}"
     told = [
         f"unit: {place.unit}" + (" (told by the body's height)" if unit == "auto" else ""),
         f"axes: ours are the files' {place.axes}" + (" (told by the body's shape)" if axes == "auto" else ""),
@@ -58,11 +57,8 @@ def read_release(
         f"garment: {garment.name}, {len(garment.rest)} vertices, {len(garment.seams)} seam pairs",
         f"body: {len(rest)} vertices; their parts are those of the nearest of {len(seeds.labels)} seeds",
     ]
-    info = {
-        "scene": name,
-        "motion": {"name": Path(case).name or release.folder.name},
-        "import": {"from": "the authors' release", "unit": place.unit, "axes": place.axes, "fps": fps, "frames": [min(files), max(files)]},
-    }
+    imported = {"from": f"the authors' release, {release.folder.name}/{case}".rstrip("/"), "units": place.unit, "said": told}
+    info = {"scene": scene, "split": split, "motion": Path(case).name or release.folder.name, "imported": imported}
     return Sequence(Template(garment, body, fps), clothes, bodies, info), told
 
 

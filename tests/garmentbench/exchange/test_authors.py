@@ -31,7 +31,7 @@ def copy(written, tmp_path) -> Path:
 
 
 def test_a_sequence_holds_what_was_written_in_our_axes(written, tmp_path):
-    sequence, told = read_release(open_release(written.folder))
+    sequence, told = read_release(open_release(written.folder), "walk")
     np.testing.assert_array_equal(sequence.garment, np.einsum("tvx,yx->tvy", written.garment, Y_UP.turn).astype(np.float32))
     np.testing.assert_array_equal(sequence.body, np.einsum("tvx,yx->tvy", written.body, Y_UP.turn).astype(np.float32))
     garment, body = load_garment("tshirt", "smoke"), load_body("base", "small").body
@@ -50,7 +50,7 @@ def test_a_sequence_holds_what_was_written_in_our_axes(written, tmp_path):
 
 
 def test_seams_are_all_pairs_of_copies(written):
-    seams = read_release(open_release(written.folder), frames=1)[0].template.garment.seams
+    seams = read_release(open_release(written.folder), "walk", frames=1)[0].template.garment.seams
     pairs = {tuple(sorted(p)) for p in seams.tolist()}
     assert {tuple(sorted(p)) for p in written.seams.tolist()} <= pairs
     apart = np.linalg.norm(np.diff(written.rest[seams], axis=1), axis=-1)
@@ -58,7 +58,7 @@ def test_seams_are_all_pairs_of_copies(written):
 
 
 def test_parts_are_those_of_the_nearest_seed(written):
-    body = read_release(open_release(written.folder), frames=1)[0].template.body
+    body = read_release(open_release(written.folder), "walk", frames=1)[0].template.body
     points = np.einsum("nk,nkx->nx", written.weights, written.body_rest[written.corners])
     nearest = np.linalg.norm(written.body_rest[:, None] - points, axis=-1).argmin(axis=1)
     np.testing.assert_array_equal(body.labels, written.labels[nearest])
@@ -67,7 +67,7 @@ def test_parts_are_those_of_the_nearest_seed(written):
 
 @pytest.mark.parametrize(("unit", "scale"), [("cm", 100.0), ("mm", 1000.0)])
 def test_units_are_told_by_the_body(tmp_path, unit, scale):
-    sequence, told = read_release(open_release(write_release(tmp_path / "a", Z_UP, frames=2, scale=scale).folder))
+    sequence, told = read_release(open_release(write_release(tmp_path / "a", Z_UP, frames=2, scale=scale).folder), "walk")
     assert told[0] == f"unit: {unit} (told by the body's height)"
     assert told[1].startswith("axes: ours are the files' x,y,z")
     np.testing.assert_allclose(sequence.template.garment.rest, load_garment("tshirt", "smoke").rest, atol=2**-12)
@@ -100,12 +100,12 @@ def test_another_case_and_a_part_of_its_frames(copy):
         shutil.copytree(copy / name, case / name)
     for number in (1, 6):
         (case / "body_n" / f"{number:06d}.obj").unlink()
-    sequence, told = read_release(open_release(copy), "unseen_test/rumba", fps=60.0)
+    sequence, told = read_release(open_release(copy), "rumba", "unseen_test/rumba", fps=60.0)
     assert told[3] == "frames: 2 to 5, 4 of them (2 of garment or body alone left out)"
-    assert (sequence.info["scene"], sequence.template.fps, len(sequence)) == ("tshirt-rumba", 60.0, 4)
+    assert (sequence.info["motion"], sequence.template.fps, len(sequence)) == ("rumba", 60.0, 4)
     (case / "body_n" / "000004.obj").unlink()
     with pytest.raises(UserError, match="no frame 4 of both garment and body"):
-        read_release(open_release(copy), "unseen_test/rumba")
+        read_release(open_release(copy), "rumba", "unseen_test/rumba")
 
 
 def test_frames_that_were_left_out_show_in_their_velocities(copy):
@@ -114,7 +114,7 @@ def test_frames_that_were_left_out_show_in_their_velocities(copy):
             here = copy / folder
             (here / f"{k:06d}.{suffix}").rename(here / f"{k - 1:06d}.{suffix}")
     with pytest.warns(UserWarning, match="1 frames, the first 3, have moved otherwise"):
-        read_release(open_release(copy))
+        read_release(open_release(copy), "walk")
 
 
 @pytest.mark.parametrize(
@@ -135,7 +135,7 @@ def test_frames_that_were_left_out_show_in_their_velocities(copy):
 def test_what_is_wrong_is_said_in_one_line(copy, spoil, complaint):
     spoil(copy)
     with pytest.raises(UserError, match=complaint) as told:
-        read_release(open_release(copy))
+        read_release(open_release(copy), "walk")
     assert "\n" not in str(told.value)
 
 
