@@ -37,6 +37,7 @@ def simulator_measures(scene: Scene, path: Path, unstressed: Path) -> list[dict]
     told = sequence.info["simulation"]
     bad = told["first_bad_frame"]
     values = {"strain_p99_max": told["p99_strain_percent"], "ms_per_frame": told["ms_per_frame"]}
+    values["self_intersection"] = sequence.info["self_intersection"]["percent"]
     if sequence.template.needs.interpenetration:
         values["interpenetration"] = sequence.info["interpenetration"]["vertex_percent"]
         values["interpenetration_strict"] = sequence.info["interpenetration"]["strict_percent"]

@@ -12,10 +12,11 @@ from garmentbench.metrics.jitter import jitter
 from garmentbench.metrics.l2 import frame_l2
 from garmentbench.metrics.liveliness import liveliness
 from garmentbench.metrics.ms_per_frame import time_per_frame
+from garmentbench.metrics.self_intersection import crossing_faces, self_intersection
 from garmentbench.metrics.stable_frames import stable_frames
 from garmentbench.metrics.strain import strain_p95
 from garmentbench.rollout import OK, RollOut
-from garmentbench.sequence import Sequence
+from garmentbench.sequence import Garment, Sequence
 
 SHORT_HORIZON = 50  # of the paper's Table 3; its other one is the whole sequence
 
@@ -80,6 +81,7 @@ def _measures(roll: RollOut, sequence: Sequence) -> dict[str, tuple[float, float
     template, frames, garment = sequence.template, slice(roll.start, None), sequence.template.garment
     reference, body = sequence.garment[frames], None if sequence.body is None else sequence.body[frames]
     own = {
+        "self_intersection": _own_crossing(reference, garment, sequence.info),
         "strain_p95": strain_p95(reference, garment.rest, garment.faces),
         "jitter": 0.0,
         "liveliness": 1.0,
@@ -92,6 +94,7 @@ def _measures(roll: RollOut, sequence: Sequence) -> dict[str, tuple[float, float
         return {name: (math.nan, value) for name, value in own.items()}
     predicted = roll.garment[frames]
     found = {
+        "self_intersection": self_intersection(crossing_faces(predicted, garment.faces, garment.seams)),
         "strain_p95": strain_p95(predicted, garment.rest, garment.faces),
         "jitter": jitter(predicted, reference, template.fps),
         "liveliness": liveliness(predicted, reference, body, garment.rest, garment.faces),
@@ -122,3 +125,11 @@ def _own_penetration(reference: np.ndarray, body: np.ndarray, faces: np.ndarray,
     if all(key in noted for key in keys):
         return {name: noted[key] for name, key in zip(names, keys)}
     return _penetration(reference, body, faces)
+
+
+def _own_crossing(reference: np.ndarray, garment: Garment, info: dict) -> float:
+    """The reference's own self-intersection [%]: as the sequence notes it, or else measured."""
+    noted = info.get("self_intersection", {})
+    if "percent" in noted:
+        return noted["percent"]
+    return self_intersection(crossing_faces(reference, garment.faces, garment.seams))

@@ -15,6 +15,12 @@ from garmentbench.scene import Scene, inner_scene, load_scene
 from garmentbench.sequence import Needs, Sequence, Template
 from garmentbench.sequence_layout import KIND, REMAKE, SCHEMA
 
+_CODE = (
+    "garmentbench.simulation.simulate",
+    "garmentbench.metrics.interpenetration",
+    "garmentbench.metrics.interpenetration_strict",
+    "garmentbench.metrics.self_intersection",
+)
 IDENTITY = "made_from"  # key of a sequence's info: hash of scene, preset, assets and code
 
 
@@ -37,7 +43,7 @@ def make_sequence(scene_name: str, preset: Preset) -> Path:
 def sequence_identity(scene: Scene, preset: Preset) -> str:
     """Hash of all that decides a reference sequence: the scene, those beneath it, their assets and the code."""
     inner = inner_scene(scene)
-    code = fingerprint("garmentbench.simulation.simulate", *_assets(scene, preset))
+    code = fingerprint(*_CODE, *_assets(scene, preset))
     beneath = None if inner is None else sequence_identity(inner, preset)
     scene = replace(scene, worn_over=None, motion=replace(scene.motion, file=None))  # where files lie does not matter
     return content_hash({"scene": scene, "beneath": beneath, "preset": preset, "code": code})
@@ -94,7 +100,10 @@ def _simulated(scene: Scene, preset: Preset) -> Sequence:
     quiet_warp()
     device = "cuda:0" if has_cuda() else "cpu"
     sequence = simulate(scene, preset, device)
-    info = sequence.info | {"uncertainty": measure_uncertainty(scene, preset, sequence, device=device)}
+    info = sequence.info | {
+        "uncertainty": measure_uncertainty(scene, preset, sequence, device=device),
+        "self_intersection": own_self_intersection(sequence),
+    }
     if sequence.template.needs.interpenetration:
         info["interpenetration"] = own_interpenetration(sequence)
     return replace(sequence, info=info)
@@ -112,3 +121,12 @@ def own_interpenetration(sequence: Sequence) -> dict[str, float]:
         "strict_percent": interpenetration_strict(distances),
         "depth_p95_mm": depth_p95(distances),
     }
+
+
+def own_self_intersection(sequence: Sequence) -> dict[str, float]:
+    """How much of a sequence's garment passes through itself, for its info."""
+    from garmentbench.metrics.self_intersection import crossing_faces, self_intersection
+
+    garment = sequence.template.garment
+    crossing = crossing_faces(sequence.garment, garment.faces, garment.seams)
+    return {"percent": self_intersection(crossing), "most_faces": int(crossing.sum(axis=1).max())}

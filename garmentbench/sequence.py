@@ -108,7 +108,8 @@ class Sequence:
         body: Body positions [m], shape (T, B, 3); None where there is no body.
         info: Names and provenance, plain JSON values: scene, split, motion, preset, and where simulated `simulation`
             (settings, substeps, strain, ms_per_frame), `uncertainty` {"doubling_cm", "perturbed_cm", "cm", "frames"},
-            `interpenetration` {"vertex_percent", "strict_percent", "depth_p95_mm"} (where the template needs it).
+            `interpenetration` {"vertex_percent", "strict_percent", "depth_p95_mm"} (where the template needs it),
+            `self_intersection` {"percent", "most_faces"}.
     """
 
     template: Template

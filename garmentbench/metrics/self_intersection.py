@@ -4,7 +4,7 @@
 
 Two triangles cross where an edge of one goes through the inside of the other (a segment has its ends on both sides of
 the plane and passes all three edges on the same side; signs of 3 x 3 determinants, in float64). The two sides of a seam
-are one point of cloth. Taken every `STRIDE` frames, from the first on: what has passed through itself stays for longer.
+are one point of cloth.
 
 When it lies. Faces are counted, not depths: a corner through by a hundredth of a millimetre counts like a sleeve pulled
 inside out, and a coarse mesh has larger faces, hence a larger share for the same tangle. Faces that share a vertex are not
@@ -16,12 +16,10 @@ through the outer one is `interpenetration`.
 import numpy as np
 import warp as wp
 
-STRIDE = 5  # frames
 
-
-def self_intersection(garment: np.ndarray, faces: np.ndarray, seams: np.ndarray) -> float:
-    """Share of faces that cross another [%], mean over every `STRIDE`th frame. Arguments as for `crossing_faces`."""
-    return float(100 * crossing_faces(garment[::STRIDE], faces, seams).mean())
+def self_intersection(crossing: np.ndarray) -> float:
+    """Share of faces that cross another [%], mean over frames, of `crossing_faces`, shape (T, F)."""
+    return float(100 * crossing.mean())
 
 
 def crossing_faces(garment: np.ndarray, faces: np.ndarray, seams: np.ndarray) -> np.ndarray:

@@ -129,7 +129,7 @@ def test_scenes_lists_and_shows_what_is_left_out(capsys):
     code, out, _ = typed(capsys, "scenes")
     assert code == 0 and "tshirt-armspace-90" in out
     code, out, _ = typed(capsys, "scenes", "sheet-stick-a")
-    assert code == 0 and "left out: body, part_radii, collision_stage" in out and "needs: interaction_force, pins" in out
+    assert code == 0 and "left out: body, part_radii, interpenetration, collision_stage" in out and "needs: interaction_force, pins" in out
 
 
 def test_methods_lists_methods_and_variants(capsys):

@@ -13,7 +13,7 @@ from garmentbench.tiny import tiny_sequence
 
 BODY_METRICS = {"interpenetration", "interpenetration_strict", "depth_p95"}
 TIMES = {"ms_per_frame", "ms_per_frame_p95", "ms_prepare", "ms_predict", "ms_collide"}
-OTHERS = {"rollout_l2", "one_step_l2", "strain_p95", "jitter", "liveliness", "stable_frames"} | TIMES
+OTHERS = {"rollout_l2", "one_step_l2", "self_intersection", "strain_p95", "jitter", "liveliness", "stable_frames"} | TIMES
 
 
 def shifted(sequence, metres=0.01, kind="roll_out"):

@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from garmentbench.metrics.self_intersection import STRIDE, crossing_faces, self_intersection
+from garmentbench.metrics.self_intersection import crossing_faces, self_intersection
 
 NO_SEAMS = np.zeros((0, 2), np.int32)
 FLAT = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
-FACES = np.array([[0, 1, 2], [3, 4, 5]], np.int32)
 
 
 def crossing(*triangles, seams=NO_SEAMS) -> list[bool]:
@@ -40,12 +39,12 @@ def test_faces_that_share_a_point_of_cloth_are_not_looked_at():
     assert not crossing_faces(points, np.array([[0, 1, 2], [3, 4, 1]]), NO_SEAMS).any()
 
 
-def test_share_is_over_faces_and_every_so_many_frames():
+def test_share_is_over_faces_and_frames():
     above, through = np.array(FLAT) + [0, 0, 1], [[0.2, 0.2, -0.5], [0.2, 0.2, 0.5], [2.0, 2.0, 0.5]]
-    frames = np.array([[*FLAT, *above]] * (2 * STRIDE), np.float32)
-    frames[STRIDE, 3:] = through  # one of the two frames that are looked at
-    frames[STRIDE + 1, 3:] = through
-    assert self_intersection(frames, FACES, NO_SEAMS) == pytest.approx(50.0)
+    frames = np.array([[*FLAT, *above, *(np.array(FLAT) + [0, 0, 2])]] * 4, np.float32)
+    frames[2, 3:6] = through
+    found = crossing_faces(frames, np.arange(9).reshape(3, 3), NO_SEAMS)
+    assert self_intersection(found) == pytest.approx(100 * 2 / 12)
 
 
 def plain_crossing(points, faces):
