@@ -7,6 +7,6 @@ STICK = Experiment(
     table="stick",
     train="sheet-stick-a",
     tests=("sheet-stick-b",),
-    entries=(*SIMPLE, FULL, Entry("motion_guided", "no_virtual_sample")),
+    entries=(*SIMPLE, FULL, *(Entry("motion_guided", v) for v in ("no_virtual_sample", "linear_paths"))),
     needs=True,
 )
