@@ -11,7 +11,7 @@ from garmentbench.doctor.topology import borders, components, doubles, repeats_a
 from garmentbench.problem import Problem
 from garmentbench.sequence import Body
 
-SMALL_HOLE = 0.1  # way round a hole over the mesh's diagonal, below which it is no opening for a limb
+SMALL_HOLE = 0.1  # way round a hole over the diagonal of its piece of cloth, below which it is no opening for a limb
 SMALL_PIECE = 0.01  # of the faces; a piece below that is called a scrap
 
 
@@ -102,13 +102,23 @@ def holes(mesh: Mesh) -> list[Finding]:
         return [Finding(Problem("openings", what, do, warning=True))]
     a, b = mesh.points[edges].transpose(1, 0, 2)
     around = np.bincount(loop, np.linalg.norm(a - b, axis=1))
-    small = np.flatnonzero(around < SMALL_HOLE * mesh.size)
+    first = np.unique(loop, return_index=True)[1]
+    ends = np.bincount(edges.ravel(), minlength=len(mesh.vertex))[edges] != 2
+    closed = np.bincount(loop, ends.any(axis=1)) == 0  # the border of a fin runs into the cloth
+    small = np.flatnonzero(closed & (around < SMALL_HOLE * _piece_sizes(mesh)[edges[first, 0]]))
     if not len(small):
         return []
-    rim = np.isin(loop, small)
-    _, first = np.unique(loop[rim], return_index=True)
-    at = listed(mesh.numbers[mesh.vertex[edges[rim][first, 0]]])
-    what = (f"{counted(len(small), 'hole')} of less than a tenth of the garment's size around ({counted(len(around), 'opening')} "
+    at = listed(mesh.numbers[mesh.vertex[edges[first[small], 0]]])
+    what = (f"{counted(len(small), 'hole')} of less than a tenth of the cloth's size around ({counted(len(around), 'opening')} "
             f"in all), at vertex {at}")
     problem = Problem("openings", what, "fill them unless they are meant; --fix leaves them", warning=True)
-    return [Finding(problem, edges=mesh.vertex[edges[rim]])]
+    return [Finding(problem, edges=mesh.vertex[edges[np.isin(loop, small)]])]
+
+
+def _piece_sizes(mesh: Mesh) -> np.ndarray:
+    """Diagonal of the piece that each point belongs to, shape (P,)."""
+    piece = components(len(mesh.vertex), mesh.sides.edges)
+    low, high = np.full((piece.max() + 1, 3), np.inf), np.full((piece.max() + 1, 3), -np.inf)
+    np.minimum.at(low, piece, mesh.points)
+    np.maximum.at(high, piece, mesh.points)
+    return np.linalg.norm(high - low, axis=1)[piece]

@@ -47,7 +47,7 @@ def mend(
     metric = shape.unit(mesh.size) == ("m", 1.0)
     mesh, said = repairs.turn_faces(mesh, wearer if metric else None)
     lines += said
-    mesh = repairs.compact(mesh)
+    mesh = mesh.compact()
     if wearer is not None and metric:
         mesh, said = push_out(mesh, wearer)
         lines += said

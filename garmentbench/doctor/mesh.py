@@ -71,3 +71,13 @@ class Mesh:
     def scaled(self, factor: float) -> "Mesh":
         """The same mesh in another unit."""
         return replace(self, vertices=self.vertices * factor)
+
+    def compact(self) -> "Mesh":
+        """Only the vertices that faces use, in their order."""
+        used = np.unique(self.faces)
+        number = np.full(len(self.vertices), -1)
+        number[used] = np.arange(len(used))
+        seams, pins = number[self.seams], number[self.pins]
+        return replace(
+            self, vertices=self.vertices[used], faces=number[self.faces], uv=None if self.uv is None else self.uv[used],
+            numbers=self.numbers[used], seams=seams[(seams >= 0).all(axis=1)], pins=pins[pins >= 0])

@@ -23,11 +23,11 @@ def inward_patches(mesh: Mesh, way: Winding, body: Body | None) -> np.ndarray:
     normal = np.cross(b - a, c - a) / 2
     count = int(way.patch.max(initial=-1)) + 1
     area = np.bincount(way.patch, np.linalg.norm(normal, axis=1), count)
-    outward = _volumes(mesh, corners, way) / np.maximum(area, 1e-300) ** 1.5 / FLAT
+    outward = _volumes(mesh, corners, way) / np.where(area > 0, area, 1.0) ** 1.5 / FLAT
     if body is not None:
         facing, weight = _facing_away((a + b + c) / 3, normal, body)
         told = np.bincount(way.patch, weight, count)
-        mean = np.bincount(way.patch, facing, count) / np.maximum(told, 1e-300)
+        mean = np.bincount(way.patch, facing, count) / np.where(told > 0, told, 1.0)
         outward = np.where((told > 0.5 * area) & (np.abs(mean) > SURE), mean / SURE, outward)
     return np.setdiff1d(np.flatnonzero(outward < -1), way.one_sided)
 
@@ -52,6 +52,8 @@ def _volumes(mesh: Mesh, corners: np.ndarray, way: Winding) -> np.ndarray:
         at = np.flatnonzero((side >= 0) & (mesh.sides.count[side] == 1))
         at = at[np.argsort(side[at])]  # the side that lies on each border edge
         patch = way.patch[at // 3]
+        _, loop = np.unique(loop * count + patch, return_inverse=True)  # two patches may touch at a point of the border
+        loop = loop.ravel()
         forward = mesh.sides.forward.ravel()[at] ^ way.turned[at // 3]
         start, end = np.where(forward[:, None], edges, edges[:, ::-1]).T
         hub = _means(mesh.points[start], loop, loop.max() + 1)[loop] - middle[patch]

@@ -8,7 +8,7 @@ import numpy as np
 DEPTH = 1e-6  # of the plane figure's extent: triangles that overlap less deep than this only touch
 _CHUNK = 1_000_000  # candidate pairs at a time
 _MOST_CANDIDATES = 60_000_000
-_MOST_PAIRS = 300_000
+_MOST_PAIRS = 200_000
 
 
 @dataclass(frozen=True)
@@ -30,34 +30,30 @@ def overlaps(triangles: np.ndarray) -> Overlap:
     """All pairs of triangles that overlap. Neighbours that share an edge or a corner do so only where one is folded.
 
     Exact up to `DEPTH`; triangles without area overlap nothing. Ends early, saying so, after 60 million candidates or
-    300,000 overlapping pairs: a layout with every triangle on every other would ask for them all.
+    200,000 overlapping pairs: a layout with every triangle on every other would ask for them all.
 
     Args:
         triangles: Shape (N, 3, 2), finite, either way round.
     """
-    extent = float(np.ptp(triangles.reshape(-1, 2), axis=0).max(initial=0.0)) or 1.0
-    t = (triangles - triangles.reshape(-1, 2).mean(axis=0)) / extent if len(triangles) else triangles
+    if not len(triangles):
+        return Overlap(np.zeros((0, 2), np.int64), np.zeros(0), True)
+    extent = float(np.ptp(triangles.reshape(-1, 2), axis=0).max()) or 1.0
+    t = (triangles - triangles.reshape(-1, 2).mean(axis=0)) / extent
     turn = _cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0])
-    t = np.where((turn < 0)[:, None, None], t[:, ::-1], t)
+    whole = np.where((turn < 0)[:, None, None], t[:, ::-1], t)  # all anticlockwise
     solid = np.flatnonzero(np.abs(turn) > DEPTH**2)
-    solid = solid[np.argsort(t[solid, :, 0].min(axis=1), kind="stable")]
-    t, candidates, pairs, areas = t[solid], 0, [], []
+    solid = solid[np.argsort(whole[solid, :, 0].min(axis=1), kind="stable")]
+    t, candidates, room, pairs = whole[solid], _MOST_CANDIDATES, _MOST_PAIRS, [np.zeros((0, 2), np.int64)]
     for a, b in _candidates(t):
-        candidates += len(a)
-        deep = ~(_apart(t[a], t[b]) | _apart(t[b], t[a]))
-        pairs.append(np.stack([a[deep], b[deep]], axis=1))
-        areas.append(_common_area(t[a[deep]], t[b[deep]]))
-        if candidates >= _MOST_CANDIDATES or sum(map(len, pairs)) >= _MOST_PAIRS:
+        candidates, deep = candidates - len(a), ~(_apart(t[a], t[b]) | _apart(t[b], t[a]))
+        pairs.append(np.stack([a[deep], b[deep]], axis=1)[:room])
+        room -= int(deep.sum())
+        if candidates < 0 or room < 0:
             break
-    else:
-        return _sorted(solid, pairs, areas, extent, complete=True)
-    return _sorted(solid, pairs, areas, extent, complete=False)
-
-
-def _sorted(solid: np.ndarray, pairs: list, areas: list, extent: float, complete: bool) -> Overlap:
-    pair = np.sort(solid[np.concatenate([np.zeros((0, 2), np.int64), *pairs])], axis=1)
-    order = np.lexsort(pair.T[::-1])
-    return Overlap(pair[order], (np.concatenate([np.zeros(0), *areas]) * extent**2)[order], complete)
+    pair = np.sort(solid[np.concatenate(pairs)], axis=1)
+    pair = pair[np.lexsort(pair.T[::-1])]
+    area = _common_area(whole[pair[:, 0]], whole[pair[:, 1]]) * extent**2
+    return Overlap(pair, area, complete=candidates >= 0 and room >= 0)
 
 
 def _candidates(t: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:

@@ -23,18 +23,7 @@ def drop_unused(mesh: Mesh) -> Done:
     """Without the vertices that no face uses."""
     used = np.unique(mesh.faces)
     count = len(mesh.vertices) - len(used)
-    return (compact(mesh), [f"removed {counted(count, 'vertex', 'vertices')} without a face"]) if count else (mesh, [])
-
-
-def compact(mesh: Mesh) -> Mesh:
-    """Only the vertices that faces use, in their order."""
-    used = np.unique(mesh.faces)
-    number = np.full(len(mesh.vertices), -1)
-    number[used] = np.arange(len(used))
-    seams, pins = number[mesh.seams], number[mesh.pins]
-    return replace(
-        mesh, vertices=mesh.vertices[used], faces=number[mesh.faces], uv=None if mesh.uv is None else mesh.uv[used],
-        numbers=mesh.numbers[used], seams=seams[(seams >= 0).all(axis=1)], pins=pins[pins >= 0])
+    return (mesh.compact(), [f"removed {counted(count, 'vertex', 'vertices')} without a face"]) if count else (mesh, [])
 
 
 def merge_points(mesh: Mesh) -> Done:

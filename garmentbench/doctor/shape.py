@@ -29,7 +29,7 @@ def heights(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
     a, b, c = corners.transpose(1, 0, 2)
     longest = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2).max(axis=1)
     twice_area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    return twice_area / np.maximum(longest, 1e-300) ** 2, longest
+    return twice_area / np.where(longest > 0, longest, 1.0) ** 2, longest
 
 
 def without_area(mesh: Mesh) -> np.ndarray:

@@ -1,6 +1,6 @@
 """What a garment's mesh costs in a simulation: the substeps that it asks for, and the place that asks for most."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -33,20 +33,18 @@ class Cost:
 
 
 def cost(mesh: Mesh) -> Cost:
-    """What a garment [m] costs; faces without area are left out."""
-    faces = mesh.faces[~without_area(mesh)]
-    uv = np.zeros((len(mesh.vertices), 2), np.float32)
-    garment = Garment(mesh.name, mesh.vertices, faces, uv, mesh.seams, mesh.pins)
+    """What a garment [m] costs; faces without area and what no face uses are left out."""
+    solid = replace(mesh, faces=mesh.faces[~without_area(mesh)], numbers=np.arange(len(mesh.vertices))).compact()
+    uv = np.zeros((len(solid.vertices), 2), np.float32)
     material, settings = Material(), Settings()
-    fabric = assemble(garment, material, settings)
+    fabric = assemble(Garment(mesh.name, solid.vertices, solid.faces, uv, solid.seams, solid.pins), material, settings)
     count = substeps(fabric, material, settings, 1 / FPS)
-    used = np.unique(fabric.particle[faces])
     spring = np.bincount(fabric.edges.ravel(), np.repeat(fabric.stiffness, 2), len(fabric.mass))
     bending = np.asarray(np.abs(fabric.bending).sum(axis=1)).ravel()
-    step = _bounds(2 * spring / fabric.mass, bending / fabric.mass, material)[used]
-    stiffest = used[np.argmin(step)]
-    even = max(round(count * float(step.min() / np.median(step))), settings.queries)
-    return Cost(count, even, int(np.flatnonzero(fabric.particle == stiffest)[0]))
+    step = _bounds(2 * spring / fabric.mass, bending / fabric.mass, material)
+    stiffest = np.argmin(step)
+    even = max(round(count * float(step[stiffest] / np.median(step))), settings.queries)
+    return Cost(count, even, int(solid.numbers[np.flatnonzero(fabric.particle == stiffest)[0]]))
 
 
 def _bounds(stretch: np.ndarray, bending: np.ndarray, material: Material) -> np.ndarray:
