@@ -5,7 +5,7 @@ PYTHON ?= $(firstword $(foreach p,python3 python3.14 python3.13 python3.12 pytho
 BIN := .venv/bin
 RUN := $(BIN)/garmentbench
 
-.PHONY: evals test report data clean
+.PHONY: evals test report data convergence crosscheck clean
 evals: $(BIN)/.installed
 	$(RUN) evals --preset $(PRESET) --seeds $(SEEDS)
 
@@ -17,6 +17,14 @@ report: $(BIN)/.installed
 
 data: $(BIN)/.installed
 	$(RUN) evals --preset $(PRESET) --data-only
+
+# Trust in the reference; neither is part of `make evals`, whose report shows them once they are there.
+convergence: $(BIN)/.installed
+	$(RUN) evals convergence --preset $(PRESET)
+
+crosscheck: $(BIN)/.installed
+	$(BIN)/pip install -q -c constraints.txt -e '.[crosscheck]'
+	$(RUN) evals crosscheck --preset $(PRESET)
 
 # One ablation and the full model beside it, on the same experiment: make ablation-fixed-weights, -no-virtual-sample,
 # -no-collision, -linear-paths, -train-length.

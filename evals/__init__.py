@@ -1,9 +1,14 @@
-"""The experiments: one file each, declarations over the shared layer. `EXPERIMENTS` lists them by name."""
+"""The experiments: one file each, declarations over the shared layer. `EXPERIMENTS` lists them by name, `STUDIES` those of the
+reference itself, which run only when they are named."""
 
 from evals.ablations import ABLATIONS
 from evals.baselines import BASELINES
+from evals.convergence import STUDY as CONVERGENCE
+from evals.crosscheck import STUDY as CROSSCHECK
 from evals.experiment import Experiment
 from evals.stability import STABILITY
 from evals.stick import STICK
+from evals.study import Study
 
 EXPERIMENTS: dict[str, Experiment] = {e.name: e for e in (BASELINES, STICK, *ABLATIONS, STABILITY)}
+STUDIES: dict[str, Study] = {s.name: s for s in (CONVERGENCE, CROSSCHECK)}

@@ -51,8 +51,8 @@ def with_skill(rows: list[dict]) -> list[dict]:
     return [r for r in rows if r["metric"] != "skill"] + skill
 
 
-def merged(path: Path, rows: list[dict]) -> list[dict]:
-    """The rows, and those of the results.csv at `path` that are about other lines."""
+def merged(path: Path, rows: list[dict], replaced: Iterable[str] = ()) -> list[dict]:
+    """The rows, and those of the results.csv at `path` that are about other lines, but none of the experiments `replaced`."""
     import pandas
 
     def line(row: dict) -> tuple:
@@ -60,9 +60,9 @@ def merged(path: Path, rows: list[dict]) -> list[dict]:
 
     if not path.is_file():
         return rows
-    new = {line(row) for row in rows}
+    new, gone = {line(row) for row in rows}, set(replaced)
     old = pandas.read_csv(path, dtype={"horizon": "Int64", "train_frames": "Int64", "first_bad_frame": "Int64"})
-    return rows + [row for row in old.to_dict("records") if line(row) not in new]
+    return rows + [row for row in old.to_dict("records") if line(row) not in new and row["experiment"] not in gone]
 
 
 def write_results(path: Path, rows: Iterable[dict[str, Any]]) -> None:

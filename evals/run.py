@@ -5,12 +5,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from evals import EXPERIMENTS
+from evals import EXPERIMENTS, STUDIES
 from evals.experiment import Entry, Experiment
 from evals.jobs import Failure, Job, run_jobs, worker_count
 from evals.needs import NEEDS_TABLE, left_out
 from evals.rows import about, failed_row, merged, write_results
 from evals.stability import UNSTRESSED, method_measures, simulator_measures
+from evals.study import finished_rows
 from garmentbench import work
 from garmentbench.errors import UserError, unknown_name
 from garmentbench.paths import REPORTS, RUNS
@@ -39,24 +40,32 @@ class Line:
 
 
 def run(names: list[str], preset: Preset, seeds: int, data_only: bool = False) -> None:
-    """Compute the named experiments (all, if none is named) and write `reports/<preset>/`.
+    """Compute the named experiments and studies (all experiments, if none is named) and write `reports/<preset>/`.
 
-    Raises `UserError` at the end if a job failed; its line is in the tables all the same.
+    Without names a study keeps its place in the report if it is finished, by this code. Raises `UserError` at the end if a job failed; its line is in the tables all the same.
     """
     for name in names:
-        if name not in EXPERIMENTS:
-            raise unknown_name("experiment", name, list(EXPERIMENTS))
+        if name not in EXPERIMENTS | STUDIES:
+            raise unknown_name("experiment", name, [*EXPERIMENTS, *STUDIES])
     work.require_device(preset)
-    experiments = [EXPERIMENTS[name] for name in names or EXPERIMENTS]
+    experiments = [EXPERIMENTS[name] for name in names or EXPERIMENTS if name in EXPERIMENTS]
+    studies = [STUDIES[name] for name in names if name in STUDIES and not data_only]
+    for study in studies:
+        study.require()
     lines = [line for experiment in experiments for line in _lines(experiment, seeds)]
-    jobs = _jobs(experiments, lines, preset, data_only)
+    jobs = _jobs(experiments, lines, preset, data_only) | {k: job for study in studies for k, job in study.jobs(preset).items()}
     os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
     results = run_jobs(jobs, worker_count())
     if not data_only:
         rows = [row for line in lines for row in _rows(line, preset, results)]
         rows += [row for experiment in experiments if experiment.needs for row in _needs_rows(experiment, preset, results)]
+        rows += [row for study in studies for row in study.rows(preset, results)]
         path = REPORTS / preset.name / "results.csv"
-        write_results(path, merged(path, rows) if names else rows)
+        if names:
+            rows = merged(path, rows, [study.name for study in studies])
+        else:
+            rows += [row for study in STUDIES.values() for row in finished_rows(study, preset)]
+        write_results(path, rows)
         from garmentbench.report import make_report  # matplotlib is not for the workers
 
         make_report(preset.name, REPORTS, RUNS)

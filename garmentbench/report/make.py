@@ -5,6 +5,7 @@ from pathlib import Path
 
 from garmentbench.atomic import written_whole
 from garmentbench.errors import UserError
+from garmentbench.report.convergence import CONVERGENCE
 from garmentbench.report.material import FILE, read_material
 from garmentbench.report.page import Ended, Section, page
 from garmentbench.report.results import REFERENCE, Line, ending, lines, read_results
@@ -24,7 +25,7 @@ def make_report(preset: str, reports_root: Path, runs_root: Path) -> Path:
     Raises:
         UserError: results.csv is missing or wrong, or runs that it names are missing; nothing is changed then.
     """
-    from garmentbench.report.pictures import pictures_of  # Matplotlib and Warp: not for those who only write material
+    from garmentbench.report.pictures import convergence_pictures, pictures_of  # Matplotlib and Warp: not for those who only write material
 
     folder = reports_root / preset
     results = read_results(folder / "results.csv")
@@ -39,7 +40,8 @@ def make_report(preset: str, reports_root: Path, runs_root: Path) -> Path:
     sections = []
     for table, its_lines in all_tables(results):
         made |= {f"tables/{table.name}.{form}": write(table).encode() for form, write in FORMS.items()}
-        pictures = pictures_of(table.name, [line for line in its_lines if line.run_ids], materials)
+        ran = [line for line in its_lines if line.run_ids]
+        pictures = convergence_pictures(results) if table.name == CONVERGENCE else pictures_of(table.name, ran, materials)
         made |= {picture.path: data for picture, data in pictures}
         sections.append(Section(table, [picture for picture, _ in pictures]))
     made["index.html"] = page(preset, sections, _ended(found, records), _machines(records)).encode()

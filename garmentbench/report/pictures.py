@@ -2,6 +2,9 @@
 
 from typing import TYPE_CHECKING
 
+from garmentbench.report.convergence import CONVERGENCE, studies
+from garmentbench.report.convergence_plot import convergence_plot
+from garmentbench.report.crosscheck import CROSSCHECK
 from garmentbench.report.page import Picture
 from garmentbench.report.plots import error_against_time, error_over_frames
 from garmentbench.report.results import Line
@@ -9,6 +12,8 @@ from garmentbench.report.strips import frame_strip, stress_strip
 from garmentbench.report.tables import STABILITY, STRESS, case
 
 if TYPE_CHECKING:
+    import pandas
+
     from garmentbench.report.material import Material
 
 FRAMES = "Error of the free roll-out in each frame (thin) and over 30 frames (thick). A cross: it diverged or failed there."
@@ -22,6 +27,16 @@ STRIP = (
 LADDER = (
     "The stress cases, each two thirds into the roll-out: the reference above, below it the methods, coloured by their error."
 )
+STEPS = (
+    "Difference from the finest run against substeps (left) and run time (right); lines: what another start and a finer mesh "
+    "change, and a third of the full model's error. The star is the chosen setting."
+)
+ENGINES = "Frames of {scene}: the reference above, below it the other engine, coloured by how far they are apart."
+
+
+def convergence_pictures(results: "pandas.DataFrame") -> list[tuple[Picture, bytes]]:
+    """The convergence study's plot, from results.csv alone: it shows the full model's error too."""
+    return [(Picture(f"plots/{CONVERGENCE}.svg", STEPS), convergence_plot(studies(results)))]
 
 
 def pictures_of(name: str, lines: list[Line], materials: dict[str, "Material"]) -> list[tuple[Picture, bytes]]:
@@ -32,6 +47,12 @@ def pictures_of(name: str, lines: list[Line], materials: dict[str, "Material"]) 
         by_scene = sorted(lines, key=lambda line: (line.scene.startswith(STRESS), line.scene))
         cases = {case(line): [other for other in lines if other.scene == line.scene] for line in by_scene}
         return [(Picture(f"strips/{name}.jpg", LADDER), stress_strip(cases, materials))]
+    if lines[0].experiment == CROSSCHECK:
+        as_it_is = [line for line in lines if line.variant == "full"]
+        return [
+            (Picture(f"strips/{name}-{line.scene}.jpg", ENGINES.format(scene=line.scene)), frame_strip([line], materials))
+            for line in as_it_is
+        ]
     made = [(Picture(f"plots/{name}-frames.svg", FRAMES), error_over_frames(lines, materials))]
     if len({line.method for line in lines}) > 1:
         made.append((Picture(f"plots/{name}-time.svg", TIME), error_against_time(lines)))

@@ -54,12 +54,12 @@ def error_over_frames(lines: list[Line], materials: dict[str, "Material"]) -> by
         for line in lines:
             for run in line.run_ids:
                 _draw_error(axes, materials[run], line.label if run == line.run_ids[0] else None, looks[line.label][0])
-        _logarithmic(axes.yaxis)
+        logarithmic(axes.yaxis)
         _floor(axes, lines)
         axes.set(xlabel="frame", ylabel="mean error [cm]")
         axes.margins(x=0.01)
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-        return _svg(figure)
+        return svg(figure)
 
 
 def _draw_error(axes: "Axes", material: "Material", name: str | None, colour: str) -> None:
@@ -93,8 +93,8 @@ def error_against_time(lines: list[Line]) -> bytes:
                 ms.mean, error.mean, yerr=error.interval, xerr=ms.interval, color=colour, marker=marker, markersize=9,
                 markeredgecolor="white", linestyle="none", capsize=3, label=line.label, zorder=3,
             )
-        _logarithmic(axes.xaxis)
-        _logarithmic(axes.yaxis)
+        logarithmic(axes.xaxis)
+        logarithmic(axes.yaxis)
         axes.margins(0.1)
         axes.autoscale_view()
         _floor(axes, lines)
@@ -103,10 +103,10 @@ def error_against_time(lines: list[Line]) -> bytes:
             axes.axvline(simulator[0], color="#555555", linestyle=":", linewidth=1.2, label="the reference simulator's time")
         axes.set(xlabel="time a frame [ms]", ylabel="roll-out error [cm]")
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-        return _svg(figure)
+        return svg(figure)
 
 
-def _logarithmic(axis) -> None:
+def logarithmic(axis) -> None:
     """A logarithmic axis whose ticks say 0.5, 1, 2, 5."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
@@ -126,7 +126,7 @@ def _floor(axes: "Axes", lines: list[Line]) -> None:
     axes.set_ylim(low, 1.15 * high)
 
 
-def _svg(figure: Figure) -> bytes:
+def svg(figure: Figure) -> bytes:
     buffer = io.BytesIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
     return buffer.getvalue()

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 from garmentbench.metrics import METRICS
 from garmentbench.report.cells import ABSENT, best, number, paper_cell, status_cell, value_cell
+from garmentbench.report.convergence import CONVERGENCE, convergence_table, studies, trust_table
+from garmentbench.report.crosscheck import CROSSCHECK, crosscheck_table
 from garmentbench.report.results import REFERENCE, Line, Value, lines
 from garmentbench.report.table import Cell, Table
 
@@ -17,6 +19,7 @@ TITLES = {
     "interpenetration_before": "inside before collision stage",
     "interpenetration": "inside",
     "depth_p95": "depth, 95th percentile",
+    "self_intersection": "faces through others",
     "strain_p95": "strain, 95th percentile",
     "strain_p99_max": "largest strain, 99th percentile",
     "change": "changed by",
@@ -24,8 +27,10 @@ TITLES = {
     "stable_frames": "stable",
     "ms_per_frame": "time a frame",
 }
-MAIN = ("interpenetration_before", "interpenetration", "liveliness", "jitter", "skill", "ms_per_frame")
-LADDER = ("change", "energy_left", "interpenetration", "strain_p95", "strain_p99_max", "liveliness", "stable_frames")
+MAIN = ("interpenetration_before", "interpenetration", "self_intersection", "liveliness", "jitter", "skill", "ms_per_frame")
+LADDER = (
+    "change", "energy_left", "interpenetration", "self_intersection", "strain_p95", "strain_p99_max", "liveliness", "stable_frames",
+)
 STABILITY, NEEDS = "stability", "needs"
 NAMES = {  # of the experiments, in the report's order; others follow under their own names
     "baselines": "Main table",
@@ -33,6 +38,8 @@ NAMES = {  # of the experiments, in the report's order; others follow under thei
     "ablations": "Ablations",
     "table4": "Training length",
     STABILITY: "Stress ladder",
+    CONVERGENCE: "Convergence of the reference",
+    CROSSCHECK: "Cross-check",
 }
 STRESS = "stress-"
 
@@ -61,6 +68,12 @@ def all_tables(results: "pandas.DataFrame") -> list[tuple[Table, list[Line]]]:
         found = lines(results, experiment)
         if experiment == STABILITY:
             made.append((stability_table(found), found))
+            continue
+        if experiment == CONVERGENCE:
+            made += [(convergence_table(studies(results)), found), (trust_table(studies(results)), [])]
+            continue
+        if experiment == CROSSCHECK:
+            made.append((crosscheck_table(found), found))
             continue
         for scene in dict.fromkeys(line.scene for line in found):
             on_scene = [line for line in found if line.scene == scene]

@@ -1,0 +1,1 @@
+"""The reference against an independent engine: the same cloth, start and body in Newton's VBD solver (optional extra)."""
