@@ -50,7 +50,7 @@ def gaps(mesh: Mesh, tolerance: float | None = None) -> Gaps:
     a, b, c, d = (mesh.faces.ravel()[side] for side in (first, _after(first), second, _after(second)))
     swapped = place[mesh.point[a]] != place[mesh.point[c]]
     c, d = np.where(swapped, d, c), np.where(swapped, c, d)
-    same = _same_uv(mesh, a, c) & _same_uv(mesh, b, d)
+    same = same_uv(mesh, a, c) & same_uv(mesh, b, d)
     joins = np.concatenate([np.stack([a, c], axis=1), np.stack([b, d], axis=1)])
     joins = np.unique(joins[mesh.point[joins[:, 0]] != mesh.point[joins[:, 1]]], axis=0)
     closed = components(len(mesh.vertex), mesh.point[joins])
@@ -76,10 +76,12 @@ def _after(side: np.ndarray) -> np.ndarray:
     return np.where(side % 3 == 2, side - 2, side + 1)
 
 
-def _same_uv(mesh: Mesh, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+def same_uv(mesh: Mesh, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Do vertices a and b, shape (N,), have the same UV, or none? Shape (N,)."""
     if mesh.uv is None:
         return np.ones(len(a), bool)
-    extent = np.nanmax(mesh.uv, initial=0.0) - np.nanmin(mesh.uv, initial=0.0)
+    known = mesh.uv[np.isfinite(mesh.uv)]
+    extent = known.max(initial=0.0) - known.min(initial=0.0)
     return ~(np.abs(mesh.uv[a] - mesh.uv[b]).max(axis=1) > SAME_UV * extent)
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from garmentbench.doctor.coincident import SAME_UV, gaps
+from garmentbench.doctor.coincident import gaps, same_uv
 from garmentbench.doctor.finding import counted
 from garmentbench.doctor.mesh import Mesh
 from garmentbench.doctor.orientation import inward_patches
@@ -80,13 +80,11 @@ def weld_gaps(mesh: Mesh, tolerance: float | None = None) -> Done:
     joins = _without_new_fins(mesh, found.joins)
     if not len(joins):
         return mesh, []
-    extent = 0.0 if mesh.uv is None else float(np.ptp(mesh.uv[np.isfinite(mesh.uv)], initial=0.0))
-    same = np.ones(len(joins), bool)
-    if mesh.uv is not None:
-        same = ~(np.abs(mesh.uv[joins[:, 0]] - mesh.uv[joins[:, 1]]).max(axis=1) > SAME_UV * extent)
+    same = same_uv(mesh, *joins.T)
     sewn = replace(mesh, seams=np.concatenate([mesh.seams, joins[~same]]))
     mended = _merged(sewn, joins[same])
-    mended = replace(mended, vertices=mended.points[mended.point])  # what is one point lies in one place
+    joined = np.isin(mended.point, mended.point[joins])[:, None]
+    mended = replace(mended, vertices=np.where(joined, mended.points[mended.point], mended.vertices))
     return mended, [f"joined {counted(len(joins), 'pair')} of vertices along coinciding borders "
                     f"({int(same.sum())} welded, {int((~same).sum())} sewn across UV seams)"]
 
@@ -126,7 +124,7 @@ def fit_uv(mesh: Mesh) -> Done:
         return mesh, []
     low = np.floor(used.min(axis=0))
     tiles = max(float(np.ceil(used.max(axis=0) - low).max()), 1.0)
-    moved = f"moved the UV map by ({-low[0]:g}, {-low[1]:g})" + (f" and scaled it by 1/{tiles:g}" if tiles > 1 else "")
+    moved = f"moved the UV map by ({0 - low[0]:g}, {0 - low[1]:g})" + (f" and scaled it by 1/{tiles:g}" if tiles > 1 else "")
     return replace(mesh, uv=np.clip((mesh.uv - low) / tiles, 0.0, 1.0)), [f"{moved} into the unit square"]
 
 
@@ -134,7 +132,7 @@ def _merged(mesh: Mesh, pairs: np.ndarray) -> Mesh:
     """Joined vertices become the first of them; the others stay behind unused."""
     label = components(len(mesh.vertices), pairs)
     into = np.unique(label, return_index=True)[1][label]
-    seams = into[mesh.seams]
-    return replace(
-        mesh, faces=into[mesh.faces], seams=seams[seams[:, 0] != seams[:, 1]],
-        pins=into[mesh.pins][np.sort(np.unique(into[mesh.pins], return_index=True)[1])])
+    seams, pins = into[mesh.seams], into[mesh.pins]
+    seams = seams[seams[:, 0] != seams[:, 1]]
+    once = np.sort(np.unique(np.sort(seams, axis=1), axis=0, return_index=True)[1])
+    return replace(mesh, faces=into[mesh.faces], seams=seams[once], pins=pins[np.sort(np.unique(pins, return_index=True)[1])])

@@ -79,8 +79,3 @@ def ball(radius: float = 0.145, height: float = 0.9) -> Body:
     rest = (sphere.vertices * [radius, radius, height]).astype(np.float32)
     half = (rest[:, 2] > 0).astype(np.int8)
     return Body("ball", rest, sphere.faces.astype(np.int32), half, ("lower", "upper"))
-
-
-def rounded(mesh: Mesh) -> Mesh:
-    """As it is after writing and reading in float32."""
-    return replace(mesh, vertices=mesh.vertices.astype(np.float32).astype(np.float64))
