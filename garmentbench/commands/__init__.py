@@ -6,12 +6,15 @@ What a command needs is imported when it runs, so that `garmentbench --help` is 
 from typing import Protocol
 
 from garmentbench.commands.authors import ImportAuthors, ImportAuthorsModel
+from garmentbench.commands.card import Card
+from garmentbench.commands.bodies import Bodies
 from garmentbench.commands.check import Check
-from garmentbench.commands.data import Scenes, Simulate
+from garmentbench.commands.data import Simulate
 from garmentbench.commands.exchange import Export, Import
 from garmentbench.commands.learn import CheckMethod, Evaluate, Methods, Train
 from garmentbench.commands.motion import ImportMotion
 from garmentbench.commands.results import Evals, Report, Runs, View
+from garmentbench.commands.scenes import Scenes
 
 
 class Command(Protocol):
@@ -23,6 +26,7 @@ class Command(Protocol):
 
 COMMANDS: dict[str, type[Command]] = {
     "scenes": Scenes,
+    "bodies": Bodies,
     "methods": Methods,
     "simulate": Simulate,
     "import": Import,
@@ -31,6 +35,7 @@ COMMANDS: dict[str, type[Command]] = {
     "import-authors-model": ImportAuthorsModel,
     "export": Export,
     "check": Check,
+    "card": Card,
     "check-method": CheckMethod,
     "train": Train,
     "evaluate": Evaluate,

@@ -1,82 +1,70 @@
-"""Commands that show and make data."""
+"""The command that makes data."""
 
 from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from tyro.conf import Positional
 
-from garmentbench.commands.table import print_table
+from garmentbench.errors import UsageError, UserError
 
-
-@dataclass(frozen=True)
-class Scenes:
-    """List the scenes, or show what one holds, what it needs and what is left out for it.
-
-    Example: garmentbench scenes sheet-stick-a
-
-    Attributes:
-        scene: A scene's name, or the path of a TOML file.
-    """
-
-    scene: Positional[str] = ""
-
-    def run(self) -> None:
-        from garmentbench.scene import load_scene, scene_names
-
-        if self.scene:
-            _show(load_scene(self.scene))
-            return
-        scenes = [load_scene(name) for name in scene_names()]
-        print_table([
-            {"scene": s.name, "garment": s.garment, "body": s.body, "motion": s.motion.name, "split": s.split,
-             "frames": s.frames}
-            for s in scenes
-        ])
-
-
-def _show(scene) -> None:
-    from dataclasses import asdict
-
-    from garmentbench.making import scene_needs
-    from garmentbench.presets import preset
-
-    for key, value in asdict(scene).items():
-        if value not in ({}, None):
-            print(f"{key}: {value}")
-    needs = asdict(scene_needs(scene, preset("smoke")))  # which size does not matter
-    print("needs: " + (", ".join(k for k, v in needs.items() if v) or "nothing besides the garment"))
-    print("left out: " + (", ".join(k for k, v in needs.items() if not v) or "nothing"))
+if TYPE_CHECKING:
+    from garmentbench.presets import Preset
 
 
 @dataclass(frozen=True)
 class Simulate:
-    """Simulate scenes into reference sequences. What is there already, made by the same code, is kept.
+    """Simulate scenes into reference sequences, several at a time. What is there already, made by the same code, is kept.
 
     Example: garmentbench simulate tshirt-armspace-75 tshirt-armspace-90 --preset smoke
+    Example: garmentbench simulate "dress-*" split=test --jobs 2
+    Example: garmentbench simulate --all
 
     Attributes:
-        scenes: Names of scenes, or paths of TOML files.
+        scenes: Names or patterns of scenes, paths of TOML files, and filters by garment, body, motion or split.
+        all: All scenes there are.
+        jobs: So many at a time; by default one a core.
         preset: Size: smoke, laptop or paper.
         device: auto, cpu or cuda.
     """
 
-    scenes: Positional[tuple[str, ...]]
+    scenes: Positional[tuple[str, ...]] = ()
+    all: bool = False
+    jobs: int | None = None
     preset: str = "laptop"
     device: str = "auto"
 
     def run(self) -> None:
+        from evals.jobs import worker_count
         from garmentbench.device import choose_device, one_thread, require_device
-        from garmentbench.errors import UsageError
-        from garmentbench.presets import preset
-        from garmentbench.scene import load_scene
         from garmentbench.making import make_sequence
+        from garmentbench.presets import preset
+        from garmentbench.scene_choice import choose_scenes
 
         size = preset(self.preset)
-        if not self.scenes:
-            raise UsageError("simulate: which scene? `garmentbench scenes` lists them")
-        for name in self.scenes:  # before any work: a typo in the last name is told at once
-            load_scene(name)
+        if not self.scenes and not self.all:
+            raise UsageError("simulate: which scene? `garmentbench scenes` lists them; --all simulates them all")
+        if self.jobs is not None and self.jobs < 1:
+            raise UsageError(f"simulate: --jobs is {self.jobs}; wanted at least 1")
+        names = choose_scenes(self.scenes)
         one_thread()
         choose_device(self.device)
         require_device(size)
-        for name in self.scenes:
-            print(make_sequence(name, size))
+        workers = min(len(names), self.jobs or worker_count())
+        made = _in_parallel(names, size, workers) if workers > 1 else [make_sequence(name, size) for name in names]
+        for path in made:
+            print(path)
+
+
+def _in_parallel(names: list[str], size: "Preset", workers: int) -> list[Path]:
+    """The sequences' paths. Raises `UserError` at the end if one could not be made."""
+    from evals.jobs import Failure, Job, run_jobs
+    from garmentbench.making import make_sequence
+    from garmentbench.scene import load_scene
+
+    jobs = [Job((name,), f"simulate {name}", make_sequence, arguments=(name, size), cost=load_scene(name).frames) for name in names]
+    results = run_jobs({job.key: job for job in jobs}, workers).values()
+    failed = [result for result in results if isinstance(result, Failure)]
+    if failed:
+        raise UserError(f"{len(failed)} of {len(jobs)} failed, the first: {failed[0].label}: {failed[0].message}")
+    return list(results)
