@@ -30,7 +30,7 @@ def read_alembic(path: Path, prim: str, role: str) -> MeshSequence | None:
         meshes = dict(_meshes(archive.getTop(), ()))
         name = choose(path, list(meshes), prim, role)
         return None if name is None else _mesh(path, name, meshes[name])
-    except (RuntimeError, ValueError, IndexError, TypeError) as e:  # what Boost.Python makes of Alembic's exceptions
+    except (RuntimeError, ValueError, IndexError) as e:  # what Boost.Python makes of Alembic's exceptions
         reason = (str(e).strip() or type(e).__name__).splitlines()[-1]
         raise refusal(path, f"damaged, or no Alembic file ({reason[:120]})", _AGAIN) from e
 
@@ -41,9 +41,9 @@ def _meshes(holder: Any, above: tuple) -> Iterator[tuple[str, tuple]]:
 
     for header in holder.children:
         child = Abc.IObject(holder, header.getName())
-        if AbcGeom.IPolyMesh.matches(header):
+        if AbcGeom.IPolyMesh.matches(header.getMetaData()):
             yield child.getFullName(), (AbcGeom.IPolyMesh(holder, header.getName()).getSchema(), above)
-        transform = AbcGeom.IXform(holder, header.getName()).getSchema() if AbcGeom.IXform.matches(header) else None
+        transform = AbcGeom.IXform(holder, header.getName()).getSchema() if AbcGeom.IXform.matches(header.getMetaData()) else None
         yield from _meshes(child, above if transform is None else (*above, transform))
 
 

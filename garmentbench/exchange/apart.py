@@ -1,7 +1,7 @@
-"""Reading USD and Alembic files in a process of its own.
+"""Reading USD, Alembic and foreign HDF5 files in a process of its own.
 
-Their libraries are written in C++ and trust what a file says: a damaged one may crash the process, hang it, or make it ask
-for all memory. Here that ends a child, which has a limit of time and memory, and becomes one line.
+Their libraries trust what a file says: a damaged one may crash the process, hang it, or make it ask for all memory. Here
+that ends a child, which has a limit of time and memory, and becomes one line.
 """
 
 import json
@@ -17,14 +17,14 @@ import numpy as np
 from garmentbench.errors import UserError
 from garmentbench.exchange.mesh_sequence import MeshSequence, refusal, size_of
 
-_SECONDS, _SECONDS_A_MB = 60.0, 1.0
+_SECONDS, _SECONDS_A_MB = 30.0, 1.0
 _MEMORY, _MEMORY_A_BYTE = 4 << 30, 8  # the libraries reserve far more addresses than they use
-_ARRAYS = ("frames", "faces", "corner_uv", "rest")
+_ARRAYS = ("frames", "faces", "corner_uv", "rest", "pins")
 _AGAIN = "export it again, or as a PC2 or OBJ sequence"
 
 
 def read_apart(path: Path, prim: str, role: str) -> MeshSequence | None:
-    """A mesh of a USD or Alembic file; None where none is named as a body, and `role` is "body if named so".
+    """A mesh of a USD, Alembic or HDF5 file; None where none is named as a body, and `role` is "body if named so".
 
     Args:
         path: The file.
@@ -34,7 +34,7 @@ def read_apart(path: Path, prim: str, role: str) -> MeshSequence | None:
     Raises:
         UserError: One line: the file can't be read, or it is not clear which mesh is meant, or a package is missing.
     """
-    size = size_of(path, "a USD or Alembic file")
+    size = size_of(path, "a USD, Alembic or HDF5 file")
     seconds = _SECONDS + _SECONDS_A_MB * size / 2**20
     with tempfile.TemporaryDirectory(prefix="garmentbench-") as folder:
         command = [sys.executable, "-m", "garmentbench.exchange.apart", str(path), prim, role, folder]
@@ -58,15 +58,12 @@ def read_apart(path: Path, prim: str, role: str) -> MeshSequence | None:
 
 def _child(path: Path, prim: str, role: str, folder: Path) -> None:
     """Read the file, and leave arrays and values, or the line of an error, in a folder."""
-    from garmentbench.exchange.alembic import read_alembic
-    from garmentbench.exchange.usd import read_usd
-
     limit = _MEMORY + _MEMORY_A_BYTE * path.stat().st_size
     resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     values: dict = {}
     try:
-        mesh = (read_alembic if path.suffix.lower() == ".abc" else read_usd)(path, prim, role)
+        mesh = _read(path, prim, role)
         if mesh is not None:
             values = {name: getattr(mesh, name) for name in ("name", "fps", "unit", "up", "notes")}
             for name in _ARRAYS:
@@ -77,6 +74,15 @@ def _child(path: Path, prim: str, role: str, folder: Path) -> None:
     except MemoryError:
         values = {"error": f"{path}: its library asked for more than {limit >> 20} MB: it is damaged; {_AGAIN}"}
     (folder / "told.json").write_text(json.dumps(values))
+
+
+def _read(path: Path, prim: str, role: str) -> MeshSequence | None:
+    from garmentbench.exchange import alembic, arrays, usd
+
+    ending = path.suffix.lower()
+    if ending in (".h5", ".hdf5"):
+        return arrays.read_hdf5(path)
+    return (alembic.read_alembic if ending == ".abc" else usd.read_usd)(path, prim, role)
 
 
 if __name__ == "__main__":

@@ -5,10 +5,12 @@
     uv                        shape (V, 2), or (F, 3, 2) by corner; optional
     rest                      shape (V, 3); optional
     pins                      shape (P,), vertices held fast to the body; optional
-    fps, metres_per_unit, up  numbers, and "x", "y" or "z"; optional
+    fps, metres_per_unit, up  numbers, and "x", "y" or "z" (in HDF5 of fixed length, e.g. numpy.bytes_("z")); optional
 """
 
+import tokenize
 import zipfile
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -24,7 +26,9 @@ _SHAPES = {"positions": (None, None, 3), "faces": (None, 3), "rest": (None, 3), 
 _KNOWN = frozenset({*_SHAPES, *_ALIASES, "uv", "fps", "metres_per_unit", "up"})
 _AGAIN = "write it again; garmentbench import --help names the arrays"
 _MOST_COMPRESSED, _SMALL_BYTES = 200, 64 << 20  # what claims to be larger than both is not believed
-_UNREADABLE = (zipfile.BadZipFile, ValueError, KeyError, EOFError, OSError, RuntimeError, NotImplementedError, SyntaxError)
+_UNREADABLE = (  # what zipfile and NumPy raise over damaged archives and headers (which are Python literals)
+    zipfile.BadZipFile, zlib.error, ValueError, TypeError, KeyError, EOFError, OSError, RuntimeError, NotImplementedError,
+    SyntaxError, tokenize.TokenError, MemoryError)
 
 
 def read_npz(path: Path) -> MeshSequence:
@@ -37,21 +41,21 @@ def read_npz(path: Path) -> MeshSequence:
                 name = member.filename.removesuffix(".npy")
                 if name in _KNOWN:
                     arrays[_ALIASES.get(name, name)] = _npy(archive, member, size)
-    except (*_UNREADABLE, zipfile.zlib.error) as e:
+    except _UNREADABLE as e:
         raise refusal(path, f"damaged, or no .npz file ({hdf5.reason(e)})", _AGAIN) from e
     return _mesh(path, arrays)
 
 
 def read_hdf5(path: Path) -> MeshSequence:
-    """An HDF5 file with these datasets at its root. Raises as `read_npz`."""
+    """An HDF5 file with these datasets at its root. Raises as `read_npz`.
+
+    Old HDF5 has no checksums, and a damaged file may hang the library: `apart.read_apart` is the safe way to call it.
+    """
     size_of(path, "an HDF5 file")
     arrays = {}
     try:
         with h5py.File(path, "r", locking=False) as file:
             for name in sorted(_KNOWN & set(file)):
-                if name == "up" and isinstance(file["up"], h5py.Dataset) and file["up"].size == 1:
-                    arrays["up"] = np.array(file["up"].asstr()[()])
-                    continue
                 arrays[_ALIASES.get(name, name)] = np.asarray(hdf5.dataset(file, name)[()])
     except (*hdf5.DAMAGED, TypeError) as e:
         raise refusal(path, f"damaged, or no HDF5 file of a mesh ({hdf5.reason(e)})", _AGAIN) from e
@@ -135,7 +139,8 @@ def _number(path: Path, arrays: dict[str, np.ndarray], name: str) -> float | Non
 def _up(path: Path, arrays: dict[str, np.ndarray]) -> str | None:
     if "up" not in arrays:
         return None
-    up = str(arrays["up"].ravel()[0] if arrays["up"].size == 1 else arrays["up"]).lower()
+    value = arrays["up"].ravel()[0] if arrays["up"].size == 1 else arrays["up"]
+    up = value.decode(errors="replace") if isinstance(value, bytes) else str(value)
     if up not in ("x", "y", "z"):
         raise refusal(path, f"up is '{up[:20]}', wanted x, y or z", _AGAIN)
     return up

@@ -2,17 +2,17 @@
 
 import hashlib
 from dataclasses import dataclass, replace
+from mmap import ACCESS_READ, mmap
 from pathlib import Path
 
-import h5py
 import numpy as np
 
-from garmentbench import hdf5, sequence_file
+from garmentbench import sequence_file
 from garmentbench.errors import UsageError, UserError
 from garmentbench.exchange.conventions import Conventions, Given, find_conventions, unit_name
 from garmentbench.exchange.mesh_sequence import MeshSequence, refusal
 from garmentbench.exchange.placing import outward, placed_frames, placed_rest
-from garmentbench.exchange.reading import Place, read_both
+from garmentbench.exchange.reading import HDF5, Place, read_both
 from garmentbench.exchange.seams import seam_pairs
 from garmentbench.exchange.uv_map import vertex_uv
 from garmentbench.making import IDENTITY, own_interpenetration
@@ -59,7 +59,7 @@ def import_files(garment: Place, body: Place, wanted: Wanted, out: Path) -> list
     else:
         sequence, said = import_meshes(*read_both(garment, body), wanted)
     if sequence.template.needs.interpenetration and "interpenetration" not in sequence.info:
-        sequence = _measured(sequence)
+        sequence = measured(sequence)
         percent = sequence.info["interpenetration"]["strict_percent"]
         said.append(f"interpenetration: {percent:.3g} % of the garment's vertices lie inside the body")
     sequence_file.save(sequence, out)
@@ -69,13 +69,10 @@ def import_files(garment: Place, body: Place, wanted: Wanted, out: Path) -> list
 def _own_sequence(source: str) -> Sequence | None:
     """The sequence of a sequence file; None for what is none."""
     path = Path(source)
-    if path.suffix.lower() not in (".h5", ".hdf5") or not path.is_file():
+    if path.suffix.lower() not in HDF5 or not path.is_file() or path.stat().st_size == 0:
         return None
-    try:
-        with h5py.File(path, "r", locking=False) as file:
-            ours = str(hdf5.attribute(file, "format", str)).startswith("garmentbench")
-    except hdf5.DAMAGED:
-        return None
+    with path.open("rb") as file, mmap(file.fileno(), 0, access=ACCESS_READ) as content:
+        ours = content.find(b"garmentbench sequence") >= 0  # HDF5 of unknown origin is not opened in this process
     return sequence_file.load(path) if ours else None
 
 
@@ -92,7 +89,7 @@ def _renamed(sequence: Sequence, body: Place, wanted: Wanted) -> tuple[Sequence,
     return renamed, [f"a garmentbench sequence, taken as it is: {count} frames, {template.fps:g} a second, metres, z up"]
 
 
-def _measured(sequence: Sequence) -> Sequence:
+def measured(sequence: Sequence) -> Sequence:
     """With its own interpenetration noted, measured on `_MEASURED` of its frames: all take a second each at 20k vertices."""
     chosen = np.unique(np.linspace(0, len(sequence) - 1, _MEASURED).round().astype(int))
     some = replace(sequence, garment=sequence.garment[chosen], body=sequence.body[chosen])

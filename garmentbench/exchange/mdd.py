@@ -40,12 +40,13 @@ def rate_of(path: Path, times: np.ndarray) -> float | None:
     """Frames a second of evenly spaced times [s], shape (T,); None of a single one. Raises `UserError` for others."""
     if len(times) < 2:
         return None
-    steps = np.diff(times)
     with np.errstate(invalid="ignore", over="ignore"):
+        steps = np.diff(times)
         step = (times[-1] - times[0]) / (len(times) - 1)
-        even = step > 0 and np.abs(steps - step).max() <= 0.05 * step + 1e-6 * np.abs(times).max()
+        even = step > 0 and np.isfinite(times).all() and np.abs(steps - step).max() <= 0.05 * step + 1e-6 * np.abs(times).max()
     if not even:
-        bad = int(np.argmax(~(np.abs(steps - np.median(steps)) <= 0.05 * np.abs(np.median(steps)))))
+        with np.errstate(invalid="ignore"):
+            bad = int(np.argmax(~(np.abs(steps - np.median(steps)) <= 0.05 * np.abs(np.median(steps)))))
         found = f"frames {bad} and {bad + 1} are at {times[bad]:g} s and {times[bad + 1]:g} s, wanted evenly spaced times"
         raise refusal(path, found, "export at a constant frame rate")
     return float(round(1 / step, 3))

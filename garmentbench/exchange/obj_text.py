@@ -135,15 +135,15 @@ class ObjText:
             words = text.split()[1:]
             style = style or [len(words) if kind != "f" else w.count("/") for w in words[:1]]
             same = [w.count("/") for w in words] == style * len(words) if kind == "f" else [len(words)] == style
-            if len(words) < wanted or not same or not all(_is_number(part) for w in words for part in w.split("/")):
+            if len(words) < wanted or not same or not all(_is_number(part, kind) for w in words for part in w.split("/")):
                 found = f"line {line + 1} is '{text.strip()[:60]}', wanted {'numbers' if kind != 'f' else 'corners'} as before it"
                 return refusal(self.path, found, _AGAIN)
         return refusal(self.path, f"its {kind} lines can't be read", _AGAIN)
 
 
-def _is_number(word: str) -> bool:
+def _is_number(word: str, kind: str) -> bool:
     try:
-        float(word or "0")
+        int(word or "0") if kind == "f" else float(word)
     except ValueError:
         return False
     return True

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from garmentbench.errors import UsageError
-from garmentbench.exchange.arrays import read_hdf5, read_npz
+from garmentbench.exchange.arrays import read_npz
 from garmentbench.exchange.mdd import read_mdd
 from garmentbench.exchange.mesh_sequence import MeshSequence, refusal
 from garmentbench.exchange.obj import read_series, read_template, series
@@ -11,10 +11,10 @@ from garmentbench.exchange.pc2 import read_pc2
 from garmentbench.progress import track
 
 CACHES = {".pc2": read_pc2, ".mdd": read_mdd}
-ARRAYS = {".npz": read_npz, ".h5": read_hdf5, ".hdf5": read_hdf5}
+HDF5 = (".h5", ".hdf5")
 SCENES = (".usd", ".usda", ".usdc", ".usdz", ".abc")  # hold several meshes
 Place = tuple[str, Path | None, str]  # a file, its template, and which of its meshes, as `read_meshes` takes them
-KNOWN = ("a folder or pattern of .obj files", *CACHES, *ARRAYS, *SCENES)
+KNOWN = ("a folder or pattern of .obj files", *CACHES, ".npz", *HDF5, *SCENES)
 
 
 def read_both(garment: Place, body: Place) -> tuple[MeshSequence, MeshSequence | None]:
@@ -62,9 +62,9 @@ def read_meshes(source: str, template: Path | None = None, prim: str = "", role:
 
 
 def _read_one(path: Path, ending: str, prim: str, role: str) -> MeshSequence:
-    if ending in ARRAYS:
-        return ARRAYS[ending](path)
-    if ending in SCENES:
+    if ending == ".npz":
+        return read_npz(path)
+    if ending in (*HDF5, *SCENES):
         from garmentbench.exchange.apart import read_apart
 
         return read_apart(path, prim, role)

@@ -139,8 +139,8 @@ def _corner_uv(mesh: "UsdGeom.Mesh", code: "Usd.TimeCode | float", indices: np.n
 def _rest(mesh: "UsdGeom.Mesh", code: "Usd.TimeCode | float") -> np.ndarray | None:
     from pxr import UsdGeom
 
-    values = UsdGeom.PrimvarsAPI(mesh).GetPrimvar("rest").Get()
-    return None if values is None else _world(mesh, code, values)
+    primvar = UsdGeom.PrimvarsAPI(mesh).GetPrimvar("rest")
+    return _world(mesh, code, primvar.Get()) if primvar.HasValue() else None
 
 
 def _define(stage: "Usd.Stage", mesh: MeshSequence) -> None:
