@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     import anny
 
 BASE = "base"
+_NEAR = 8  # a point on the surface is searched for on the faces round so many nearest vertices
 # Our joint -> (parent, the Anny bones it takes over; the first one's head is the joint). "*" stands for L and R.
 SKELETON = {
     "pelvis": (None, ["root", "pelvis.L", "pelvis.R"]),
@@ -143,15 +144,20 @@ def _read(size: str) -> dict[str, np.ndarray]:
 
 
 def _carried(points: np.ndarray, surface: np.ndarray, faces: np.ndarray, onto: np.ndarray) -> np.ndarray:
-    """Points on a surface, carried to where it is now by their barycentric coordinates."""
+    """Points on a surface, carried to where it is now by their barycentric coordinates; shape (P, 3)."""
+    from scipy.spatial import cKDTree
     from trimesh import Trimesh
-    from trimesh.proximity import closest_point
-    from trimesh.triangles import points_to_barycentric
+    from trimesh.triangles import closest_point, points_to_barycentric
 
     mesh = Trimesh(surface.astype(np.float64), faces, process=False)
-    nearest, _, triangle = closest_point(mesh, points.astype(np.float64))
-    weights = points_to_barycentric(mesh.triangles[triangle], nearest)
-    return np.einsum("vk,vka->va", weights, onto[faces[triangle]])
+    near = mesh.vertex_faces[cKDTree(mesh.vertices).query(points, k=_NEAR)[1]].reshape(len(points), -1)  # -1: none
+    point, slot = np.nonzero(near >= 0)
+    triangle = near[point, slot]
+    found = closest_point(mesh.triangles[triangle], points[point].astype(np.float64))
+    order = np.lexsort((np.linalg.norm(found - points[point], axis=1), point))
+    best = order[np.unique(point[order], return_index=True)[1]]
+    weights = points_to_barycentric(mesh.triangles[triangle[best]], found[best])
+    return np.einsum("vk,vka->va", weights, onto[faces[triangle[best]]])
 
 
 def _check(name: str, rest: np.ndarray, base: dict[str, np.ndarray]) -> None:
