@@ -29,7 +29,7 @@ def read_arrays(path: Path, wanted: str, again: str) -> dict[str, np.ndarray]:
         with zipfile.ZipFile(path) as archive:
             return {m.filename.removesuffix(".npy"): _array(archive, m) for m in archive.infolist()}
     except DAMAGED as e:
-        raise UserError(f"{path}: damaged, or no .npz file ({reason(e)}), wanted {wanted}; {again}") from e
+        raise UserError(f"{path}: damaged, or no .npz file ({reason(e)[:100]}), wanted {wanted}; {again}") from e
 
 
 def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> np.ndarray:

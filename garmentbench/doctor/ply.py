@@ -6,8 +6,10 @@ import numpy as np
 
 from garmentbench.exchange.mesh_sequence import MeshSequence, checked_faces, refusal, size_of
 from garmentbench.exchange.polygons import triangulate, what_was_cut
+from garmentbench.hdf5 import reason
 
-_ODD = (ValueError, IndexError, KeyError, TypeError, AttributeError, OverflowError, MemoryError, OSError, SyntaxError)
+# What trimesh's reader was seen to raise on damaged files.
+_ODD = (ValueError, IndexError, KeyError, TypeError, NameError, AttributeError, OverflowError, MemoryError, OSError, SyntaxError)
 
 
 def read_ply(path: Path) -> MeshSequence:
@@ -33,5 +35,5 @@ def _load(path: Path, fix_texture: bool) -> dict:
         with path.open("rb") as file:
             return load_ply(file, fix_texture=fix_texture, skip_materials=True)
     except _ODD as e:
-        found = f"damaged, or no PLY file ({str(e).splitlines()[0] if str(e) else type(e).__name__})"
+        found = f"damaged, or no PLY file ({reason(e)[:100]})"
         raise refusal(path, found, "export it again as OBJ or PLY") from e
