@@ -13,9 +13,11 @@ from evals.rows import about, failed_row, merged, write_results
 from evals.stability import UNSTRESSED, method_measures, simulator_measures
 from evals.study import finished_rows
 from garmentbench import work
+from garmentbench.datacard import read_card
 from garmentbench.errors import UserError, unknown_name
 from garmentbench.paths import REPORTS, RUNS
 from garmentbench.presets import Preset
+from garmentbench.report.datacards import card_rows
 from garmentbench.rollout import RollOut
 from garmentbench.runs import Run, RunStore
 from garmentbench.scene import Scene, load_scene
@@ -60,6 +62,7 @@ def run(names: list[str], preset: Preset, seeds: int, data_only: bool = False) -
         rows = [row for line in lines for row in _rows(line, preset, results)]
         rows += [row for experiment in experiments if experiment.needs for row in _needs_rows(experiment, preset, results)]
         rows += [row for study in studies for row in study.rows(preset, results)]
+        rows += _data_rows(results)
         path = REPORTS / preset.name / "results.csv"
         if names:
             rows = merged(path, rows, [study.name for study in studies])
@@ -163,6 +166,12 @@ def _needs_rows(experiment: Experiment, preset: Preset, results: dict) -> list[d
     columns = about(NEEDS_TABLE, preset, load_scene(experiment.train), "motion_guided", "full", None, 0)
     measured = results[("needs", experiment.train)]
     return [failed_row(columns, measured)] if isinstance(measured, Failure) else [columns | row for row in measured]
+
+
+def _data_rows(results: dict) -> list[dict]:
+    """The data card of every sequence."""
+    made = [path for key, path in results.items() if key[0] == "sequence" and not isinstance(path, Failure)]
+    return [row for path in made for row in card_rows(read_card(path))]
 
 
 def _stress_rows(scene: Scene, simulated: Path, run: Run, unstressed: str | Failure) -> list[dict]:

@@ -6,6 +6,7 @@ from pathlib import Path
 from garmentbench.atomic import written_whole
 from garmentbench.errors import UserError
 from garmentbench.report.convergence import CONVERGENCE
+from garmentbench.report.datacards import DATA, FOLDER, card_files, cards_in
 from garmentbench.report.material import FILE, read_material
 from garmentbench.report.page import Ended, Section, page
 from garmentbench.report.results import REFERENCE, Line, ending, lines, read_results
@@ -13,7 +14,7 @@ from garmentbench.report.table import html_table, latex, markdown
 from garmentbench.report.tables import NEEDS, all_tables
 
 FORMS = {"md": markdown, "tex": latex, "html": html_table}
-MADE = ("tables", "plots", "strips")  # folders that hold nothing else
+MADE = ("tables", "plots", "strips", FOLDER)  # folders that hold nothing else
 
 
 def make_report(preset: str, reports_root: Path, runs_root: Path) -> Path:
@@ -36,14 +37,15 @@ def make_report(preset: str, reports_root: Path, runs_root: Path) -> Path:
     materials = {run: read_material(runs_root / run) for run in runs}
     records = {run: json.loads((runs_root / run / "run.json").read_text()) for run in runs}
 
-    made: dict[str, bytes] = {}
+    cards = card_files(cards_in(results))
+    made: dict[str, bytes] = dict(cards)
     sections = []
     for table, its_lines in all_tables(results):
         made |= {f"tables/{table.name}.{form}": write(table).encode() for form, write in FORMS.items()}
         ran = [line for line in its_lines if line.run_ids]
         pictures = convergence_pictures(results) if table.name == CONVERGENCE else pictures_of(table.name, ran, materials)
         made |= {picture.path: data for picture, data in pictures}
-        sections.append(Section(table, [picture for picture, _ in pictures]))
+        sections.append(Section(table, [picture for picture, _ in pictures], list(cards) if table.name == DATA else []))
     made["index.html"] = page(preset, sections, _ended(found, records), _machines(records)).encode()
     _replace(folder, made)
     return folder / "index.html"

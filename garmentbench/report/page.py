@@ -19,10 +19,11 @@ class Picture:
 
 @dataclass(frozen=True)
 class Section:
-    """A part of the page: a table and the pictures that go with it."""
+    """A part of the page: a table, and the pictures and further files (relative to the page) that go with it."""
 
     table: Table
     pictures: list[Picture]
+    files: list[str]
 
 
 @dataclass(frozen=True)

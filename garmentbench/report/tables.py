@@ -8,6 +8,7 @@ from garmentbench.metrics import METRICS
 from garmentbench.report.cells import ABSENT, best, number, paper_cell, status_cell, value_cell
 from garmentbench.report.convergence import CONVERGENCE, convergence_table, studies, trust_table
 from garmentbench.report.crosscheck import CROSSCHECK, crosscheck_table
+from garmentbench.report.datacards import DATA, cards_in, data_table
 from garmentbench.report.results import REFERENCE, Line, Value, lines
 from garmentbench.report.table import Cell, Table
 
@@ -62,7 +63,7 @@ class Column:
 def all_tables(results: "pandas.DataFrame") -> list[tuple[Table, list[Line]]]:
     """Every table of a report, in its order, with the lines that it is about."""
     present = list(dict.fromkeys(results.experiment))
-    order = [e for e in NAMES if e in present] + [e for e in present if e not in NAMES and e != NEEDS]
+    order = [e for e in NAMES if e in present] + [e for e in present if e not in (*NAMES, NEEDS, DATA)]
     made = []
     for experiment in order:
         found = lines(results, experiment)
@@ -78,7 +79,8 @@ def all_tables(results: "pandas.DataFrame") -> list[tuple[Table, list[Line]]]:
         for scene in dict.fromkeys(line.scene for line in found):
             on_scene = [line for line in found if line.scene == scene]
             made.append((accuracy_table(on_scene), on_scene))
-    return made + ([(needs_table(results), [])] if NEEDS in present else [])
+    made += [(needs_table(results), [])] if NEEDS in present else []
+    return made + ([(data_table(cards_in(results)), [])] if DATA in present else [])
 
 
 def accuracy_table(found: list[Line]) -> Table:
