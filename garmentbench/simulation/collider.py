@@ -4,7 +4,7 @@ import numpy as np
 import warp as wp
 
 from garmentbench.geometry.mesh import border_vertices
-from garmentbench.simulation.contact import FAR, Surface, attach, find_contacts, hold, move_surface
+from garmentbench.simulation.contact import Surface, attach, find_contacts, hold, move_surface
 from garmentbench.simulation.kernels import Cloth, Contact
 
 
@@ -36,7 +36,7 @@ class Collider:
         self.faces, everything = self._mesh(np.concatenate(surfaces))
         wp.launch(attach, dim=particles, inputs=[everything.id, s, self.faces, cloth], device=device)
         self.meshes = [self._mesh(faces)[1] for faces in surfaces]
-        self.reaches = [wp.full(particles, float(FAR), dtype=float, device=device) for _ in surfaces]
+        self.near = [wp.full(particles, -1, dtype=int, device=device) for _ in surfaces]
 
     def _mesh(self, faces: np.ndarray) -> tuple[wp.array, wp.Mesh]:
         """The indices and the mesh of some of the faces, over all points."""
@@ -59,5 +59,5 @@ class Collider:
         """Find where each particle touches, for the next `interval` seconds."""
         particles = len(self.cloth.x)
         wp.launch(hold, particles, [self.surface, self.faces, self.cloth, contact, interval], device=self.device)
-        for mesh, reach in zip(self.meshes, self.reaches, strict=True):
-            wp.launch(find_contacts, particles, [mesh.id, self.surface, reach, self.cloth, contact], device=self.device)
+        for mesh, near in zip(self.meshes, self.near, strict=True):
+            wp.launch(find_contacts, particles, [mesh.id, self.surface, near, self.cloth, contact], device=self.device)

@@ -3,10 +3,11 @@
 import warp as wp
 
 from garmentbench.geometry.side import side
+from garmentbench.geometry.triangle import distance_to_face
 from garmentbench.simulation.kernels import Cloth, Contact
 
 FAR = wp.constant(0.1)  # [m] beyond this a particle has nothing to do with the body
-MARGIN = wp.constant(0.02)  # [m] a particle's distance changes by less between two queries (else it is asked again)
+SLACK = wp.constant(1.0e-4)  # [m] the face that was the nearest bounds the search; others as near decide the sign with it
 STILL = wp.constant(0.06)  # [m] from the skin: the air here moves with the body as a whole
 
 
@@ -90,23 +91,24 @@ def hold(s: Surface, faces: wp.array(dtype=int), c: Cloth, h: Contact, interval:
 
 
 @wp.kernel(enable_backward=False)
-def find_contacts(mesh: wp.uint64, s: Surface, reach: wp.array(dtype=float), c: Cloth, h: Contact):
+def find_contacts(mesh: wp.uint64, s: Surface, near: wp.array(dtype=int), c: Cloth, h: Contact):
     """Tangent plane, its motion and the air round each particle; of several surfaces, that of the one which it is
-    deepest in or else nearest to: dim = P."""
+    deepest in or else nearest to. near: the nearest face at the last query, or -1. dim = P."""
     i = wp.tid()
     if c.pinned[i] == 0:
         x = c.x[i]
-        q = wp.mesh_query_point_sign_normal(mesh, x, reach[i])
-        if not q.result:
-            q = wp.mesh_query_point_sign_normal(mesh, x, FAR)
-        reach[i] = FAR
+        reach = float(FAR)
+        if near[i] >= 0:
+            reach = wp.min(distance_to_face(mesh, near[i], x) + SLACK, FAR)
+        q = wp.mesh_query_point_sign_normal(mesh, x, reach)
+        near[i] = -1
         if q.result:
+            near[i] = q.face
             p = wp.mesh_eval_position(mesh, q.face, q.u, q.v)
             v = wp.mesh_eval_velocity(mesh, q.face, q.u, q.v)
             sign = side(mesh, s.border, q, x - p)
             away = sign * (x - p)
             distance = wp.length(away)
-            reach[i] = wp.min(distance + MARGIN, FAR)
             if sign * distance < h.distance[i]:
                 n = wp.mesh_eval_face_normal(mesh, q.face)
                 if distance > 1.0e-4:

@@ -11,6 +11,7 @@ Vertices against faces only: two edges can cross. A vertex that pokes at the mid
 import numpy as np
 import warp as wp
 
+from garmentbench.geometry.triangle import nearest_weights
 from garmentbench.simulation.assembly import Fabric
 from garmentbench.simulation.kernels import Cloth, Contact, Physics
 
@@ -27,28 +28,6 @@ class Own:
     rest: wp.array(dtype=wp.vec3)  # positions at rest [m]
     face: wp.array(dtype=int)  # that each particle was near to at the last query; -1: none
     normal: wp.array(dtype=wp.vec3)  # of its plane then
-
-
-@wp.func
-def nearest_weights(p: wp.vec3, a: wp.vec3, b: wp.vec3, c: wp.vec3) -> wp.vec3:
-    """Barycentric weights of the point of a triangle that is nearest to p (Ericson 2004, section 5.1.5)."""
-    ab, ac, ap, bp, cp = b - a, c - a, p - a, p - b, p - c
-    d1, d2, d3, d4, d5, d6 = wp.dot(ab, ap), wp.dot(ac, ap), wp.dot(ab, bp), wp.dot(ac, bp), wp.dot(ab, cp), wp.dot(ac, cp)
-    va, vb, vc = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
-    out = wp.vec3(va, vb, vc) / wp.max(va + vb + vc, 1.0e-30)
-    if d1 <= 0.0 and d2 <= 0.0:
-        out = wp.vec3(1.0, 0.0, 0.0)
-    elif d3 >= 0.0 and d4 <= d3:
-        out = wp.vec3(0.0, 1.0, 0.0)
-    elif d6 >= 0.0 and d5 <= d6:
-        out = wp.vec3(0.0, 0.0, 1.0)
-    elif vc <= 0.0 and d1 >= 0.0 and d3 <= 0.0:
-        out = wp.vec3(-d3, d1, 0.0) / (d1 - d3)
-    elif vb <= 0.0 and d2 >= 0.0 and d6 <= 0.0:
-        out = wp.vec3(-d6, 0.0, d2) / (d2 - d6)
-    elif va <= 0.0 and d4 - d3 >= 0.0 and d5 - d6 >= 0.0:
-        out = wp.vec3(0.0, d5 - d6, d4 - d3) / (d4 - d3 + d5 - d6)
-    return out
 
 
 @wp.func
