@@ -5,45 +5,47 @@ it is twisted (the hinge of the elbow or knee; the line between the shoulders; t
 is averaged in the frame of its own joint, which takes rest poses of any kind: T, A, or bones along x (Rokoko, Maya).
 With F a joint's two directions as a frame at rest and R its world rotation: R_ours F_ours = R_theirs F_theirs.
 
-Limbs and hinges are averaged over the motion. How trunk, shoulders, head and hands are held against each other is taken
-from the recording's rest pose if that is a person standing; else their mean in the motion counts as ours at rest.
+Limbs and hinges are averaged over the motion. How trunk, shoulders, head and hands are held against each other, and where
+a sole is, is taken from the recording's rest pose if that is a person standing; else the mean of the motion (of soles:
+while they are flat on the ground) counts as ours at rest.
 """
 
 import numpy as np
 
 from garmentbench.bodies import BakedBody
 from garmentbench.clips.recording import Recording, world
+from garmentbench.clips.skeleton import Upright
 from garmentbench.motion.legs import unit
 
 Points = dict[str, np.ndarray]  # our joint -> positions of the recording's (or our) joint, each shape (N, 3)
+_LIMBS = ("upper_arm", "fore_arm", "thigh", "calf")
 _STRAIGHT = 0.05  # weight of where a hinge is by anatomy, against where the bend is (1: at a right angle)
 _UP = np.array([0.0, 0.0, 1.0])
 
 
-def calibrate(recording: Recording, joints: dict[str, int], standing: np.ndarray, baked: BakedBody) -> dict[str, np.ndarray]:
+def calibrate(upright: Upright, flat: np.ndarray, baked: BakedBody) -> dict[str, np.ndarray]:
     """The rotations C of R_ours = R_theirs C, for each of our bones that the recording has.
 
     Args:
-        recording: Upright (z up).
-        joints: Index of the recording's joint for each of ours.
-        standing: Is the left, right foot on the ground? Shape (T, 2), bool.
+        upright: The recording in our axes and size.
+        flat: Is the left, right foot flat on the ground? Shape (T, 2), bool.
         baked: Our body.
 
     Returns:
         Our joint -> C, shape (3, 3).
     """
     at_rest = {name: baked.joints[None, i] for i, name in enumerate(baked.joint_names)}
-    moving, rest = _points(recording, joints), _points(recording.rest_pose(), joints)
-    held = rest if _stands(rest[1]) else moving
+    moving, rest = (_points(r, upright.joints) for r in (upright.recording, upright.rest))
+    stands = _stands(rest[1])
     out = {}
-    for name in joints:
-        if name.startswith("toes"):
+    for name in upright.joints:
+        bone, _, side = name.partition(".")
+        if bone == "toes":
             continue
-        rotations, points = held if name.split(".")[0] in ("pelvis", "chest", "neck", "head", "clavicle", "hand") else moving
+        rotations, points = rest if stands and bone not in _LIMBS else moving
         theirs = np.stack([rotations[name].swapaxes(1, 2) @ d[..., None] for d in directions(name, points)])[..., 0]
-        if name.startswith("foot"):
-            on_ground = standing[:, "LR".index(name[-1])]
-            theirs = theirs[:, on_ground] if on_ground.any() else theirs
+        if bone == "foot" and not stands and flat[:, "LR".index(side)].any():
+            theirs = theirs[:, flat[:, "LR".index(side)]]
         ours = directions(name, at_rest)
         out[name] = _frame(*theirs.sum(axis=1)) @ _frame(*ours[:, 0]).T
     return out

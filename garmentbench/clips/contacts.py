@@ -4,6 +4,7 @@ import numpy as np
 from scipy.ndimage import binary_closing, binary_opening
 
 _SLOW = 0.35  # [m/s]
+_REST = 0.15  # [m/s] of ankle and toes while a foot is flat; in rolling one of them is faster
 _LOW = 0.05  # above the height at which it stands [m]
 _SHORTEST = 0.1  # of a contact, and of a gap between two [s]
 
@@ -20,18 +21,24 @@ def standing_feet(ankles: np.ndarray, toes: np.ndarray | None, fps: float) -> np
         Is the left, right foot on the ground? Shape (T, 2), bool.
     """
     points = [ankles] if toes is None else [ankles, toes]
-    still = np.any([_still(p, fps) for p in points], axis=0)
+    still = np.any([_still(p, fps, _SLOW) for p in points], axis=0)
     length = max(2, round(_SHORTEST * fps))
     window = np.ones((length, 1), bool)
     closed = binary_closing(np.pad(still, ((length, length), (0, 0)), mode="edge"), window)
     return binary_opening(closed, window)[length : len(closed) - length]
 
 
-def _still(points: np.ndarray, fps: float) -> np.ndarray:
+def flat_feet(ankles: np.ndarray, toes: np.ndarray | None, fps: float) -> np.ndarray:
+    """When the whole foot is at rest on the ground, not rolling; as `standing_feet`."""
+    points = [ankles] if toes is None else [ankles, toes]
+    return np.all([_still(p, fps, _REST) for p in points], axis=0)
+
+
+def _still(points: np.ndarray, fps: float, speed: float) -> np.ndarray:
     """Is a point slow, and near the height at which its slow moments are lowest? Shape (T, 2)."""
     if len(points) < 2:
         return points[..., 2] <= points[..., 2].min(axis=0) + _LOW
-    slow = np.linalg.norm(np.gradient(points, 1 / fps, axis=0), axis=-1) < _SLOW
+    slow = np.linalg.norm(np.gradient(points, 1 / fps, axis=0), axis=-1) < speed
     return slow & (points[..., 2] < standing_height(points, slow) + _LOW)
 
 

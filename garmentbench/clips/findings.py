@@ -12,6 +12,7 @@ from garmentbench.clips.recording import world
 
 _INSIDE = 0.02  # how deep a vertex must be to count: skin touches skin [m]
 _LOOKED_AT = 60  # frames
+_FASTEST = 15.0  # of a joint [m/s]: a thrown fist has 12
 _UNEVEN = 0.05  # a difference between the feet that is worth a line [m]
 
 
@@ -24,7 +25,7 @@ def findings(loaded: Loaded, baked: BakedBody) -> Iterator[str]:
     yield (f"result: {len(clip)} frames at {clip.fps:g} a second on body {baked.body.name}; "
            f"left foot on the ground in {share[0]:.0f} %, right in {share[1]:.0f} %")
     before = "" if loaded.unplanted is None else f" (before planting {foot_slide_cm(loaded.unplanted, baked):.2f})"
-    low, high = foot_heights_cm(clip, baked)
+    low, high = (round(height, 2) + 0.0 for height in foot_heights_cm(clip, baked))  # no -0.00
     yield (f"feet: slide {foot_slide_cm(clip, baked):.2f} cm a frame at most while they stand{before}; "
            f"their lowest point is then at {low:.2f} to {high:.2f} cm")
     inside = 100 * arms_inside(clip, baked)
@@ -36,14 +37,30 @@ def _skeleton(loaded: Loaded) -> Iterator[str]:
     recording, upright = loaded.recording, loaded.upright
     yield f"recording: {len(recording)} frames at {recording.fps:.4g} a second, {recording.seconds:.2f} s, {len(recording.names)} joints"
     if upright.dropped:
-        yield f"left out: its first {upright.dropped} frames, a rest pose and the jump from it"
+        yield f"left out at the start: a rest pose and the jump from it ({upright.dropped} frames)"
     yield f"up: {upright.up}; unit: {upright.unit}" + (
         f", which makes the person {upright.height:.2f} m tall" if np.isfinite(upright.height) else "") + "; scaled by the legs"
+    if upright.straightened > 1:
+        yield f"elbows: bent by {upright.straightened:.0f} degrees in its T-pose; taken as straight, as on Daz's figures"
+    yield from _jumps(loaded)
     left, right = _uneven(loaded)
     if abs(left - right) > _UNEVEN:
         yield f"uneven: the left foot stands {100 * abs(left - right):.0f} cm {'above' if left > right else 'below'} the right one"
     yield f"names: {loaded.names.convention}"
     yield from ("  " + line for line in loaded.names.lines())
+
+
+def _jumps(loaded: Loaded) -> Iterator[str]:
+    """Where a joint moves faster than anybody can: a fault of the recording."""
+    recording, joints = loaded.upright.recording, list(loaded.upright.joints.values())
+    _, positions = world(recording)
+    speed = np.linalg.norm(np.diff(positions[:, joints], axis=0), axis=-1) * recording.fps
+    fast = np.flatnonzero(speed.max(axis=1, initial=0) > _FASTEST)
+    if len(fast):
+        first, last = ((loaded.upright.dropped + f) / recording.fps for f in (fast[0], fast[-1]))
+        joint = recording.names[joints[speed[fast[0]].argmax()]]
+        yield (f"jumps: {len(fast)} frames from {first:.2f} to {last:.2f} s, {joint} first, at up to {speed.max():.0f} m/s: "
+               "faults of the recording; --start and --stop cut them off")
 
 
 def _uneven(loaded: Loaded) -> np.ndarray:

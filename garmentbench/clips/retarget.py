@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 from garmentbench.bodies import BakedBody
 from garmentbench.clips.calibrate import calibrate
 from garmentbench.clips.clip import Clip
-from garmentbench.clips.contacts import standing_feet, standing_height
+from garmentbench.clips.contacts import flat_feet, standing_feet, standing_height
 from garmentbench.clips.recording import world
 from garmentbench.clips.skeleton import Upright
 from garmentbench.motion.legs import rest_leg
@@ -28,7 +28,8 @@ def retarget(upright: Upright, baked: BakedBody) -> Clip:
     rotations, positions = world(recording)
     ankles, toes = (_pair(positions, joints, name) for name in ("foot", "toes"))
     standing = standing_feet(ankles, toes, recording.fps)
-    constant = calibrate(recording, joints, standing, baked)
+    flat = flat_feet(ankles, toes, recording.fps)
+    constant = calibrate(upright, np.where(flat.any(axis=0), flat, standing), baked)
     ours = np.empty((len(recording), len(baked.joint_names), 3, 3))
     for i, name in enumerate(baked.joint_names):
         parent = baked.parents[i]
