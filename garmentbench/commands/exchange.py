@@ -14,6 +14,9 @@ class Import:
     Units, up axis and frame rate are as given, else as the files say, else told by the body; they are said back, and what
     can't be told is asked for. The file that is made can be used wherever a scene's name is taken.
 
+    Arrays in npz and HDF5: positions (frames, vertices, 3), faces (n, 3) from 0, and where there are: uv (vertices, 2) or
+    (faces, 3, 2), rest (vertices, 3), pins, fps, metres_per_unit, up.
+
     Example: garmentbench import shirt.pc2 --template shirt.obj --body body.pc2 --body-template body.obj --fps 25 --out my.h5
     Example: garmentbench import 'frames/shirt_*.obj' --body frames/body --units cm --up y --fps 30 --out my.h5
 
@@ -25,9 +28,9 @@ class Import:
         body_template: OBJ file with the body's faces and rest shape.
         mesh: Which mesh of a USD or Alembic file is the garment: its path, or the end of it.
         body_mesh: Which is the body.
-        kind: The body is a human, or an object such as a stick.
+        kind: The body is a human, an object such as a stick, or the garment beneath.
         units: m, cm, mm, in or ft.
-        up: The axis that points up: x, y, z, -x, -y or -z.
+        up: The axis that points up: x, y, z, or the other way round, e.g. --up=-y.
         fps: Frames a second.
         frames: Only the first so many.
         split: train or test.
@@ -43,7 +46,7 @@ class Import:
     body_template: Path | None = None
     mesh: str = ""
     body_mesh: str = ""
-    kind: Literal["human", "object"] = "human"
+    kind: Literal["human", "object", "garment"] = "human"
     units: str | None = None
     up: str | None = None
     fps: float | None = None

@@ -16,11 +16,11 @@ from garmentbench.exchange.reading import HDF5, Place, read_both
 from garmentbench.exchange.seams import seam_pairs
 from garmentbench.exchange.uv_map import vertex_uv
 from garmentbench.making import IDENTITY, own_interpenetration
-from garmentbench.sequence import HUMAN, Body, Garment, Sequence, Template
+from garmentbench.sequence import GARMENT, HUMAN, Body, Garment, Sequence, Template
 
 _HIGHEST, _LOWEST = 3.0, 0.5  # of a human body [m], by the units that a file states
 _APART = 0.3  # [m] between the bounding boxes of garment and body in frame 0
-_MEASURED = 20  # frames
+_MEASURED = 400_000  # vertices, over all frames, whose depth is measured: a few seconds
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Wanted:
         given: Units, up axis and frame rate, as far as the user says them.
         split: "train" or "test".
         garment, body: Names; by default the meshes' own.
-        kind: The body is "human" or an "object".
+        kind: The body is a "human", an "object", or the "garment" beneath.
         frames: Only the first so many; None for all.
         make_uv: Make a new UV map with xatlas.
     """
@@ -90,8 +90,9 @@ def _renamed(sequence: Sequence, body: Place, wanted: Wanted) -> tuple[Sequence,
 
 
 def measured(sequence: Sequence) -> Sequence:
-    """With its own interpenetration noted, measured on `_MEASURED` of its frames: all take a second each at 20k vertices."""
-    chosen = np.unique(np.linspace(0, len(sequence) - 1, _MEASURED).round().astype(int))
+    """With its own interpenetration noted, measured on so many of its frames, evenly spaced, as `_MEASURED` allows."""
+    frames = min(len(sequence), max(1, _MEASURED // sequence.garment.shape[1]))
+    chosen = np.linspace(0, len(sequence) - 1, frames).round().astype(int)
     some = replace(sequence, garment=sequence.garment[chosen], body=sequence.body[chosen])
     noted = own_interpenetration(some) | {"frames": len(chosen)}
     return replace(sequence, info=sequence.info | {"interpenetration": noted})
@@ -116,7 +117,7 @@ def import_meshes(garment: MeshSequence, body: MeshSequence | None, wanted: Want
     if body is not None:
         template, moving, lines = _body(body, found, wanted, count)
         said += lines + _far(frames[0], moving[0])
-    info = {"scene": wanted.scene, "split": wanted.split, "motion": "imported", "imported": _provenance(garment, body, found, said)}
+    info = {"scene": wanted.scene, "split": wanted.split, "motion": "imported", "imported": _provenance(garment, body, found, list(said))}
     return Sequence(Template(cloth, template, found.fps), frames, moving, info), said
 
 
@@ -128,7 +129,7 @@ def _body(body: MeshSequence, found: Conventions, wanted: Wanted, count: int) ->
     if wanted.kind == HUMAN and wanted.given.units is None and not _LOWEST <= height <= _HIGHEST:
         what = f"the body measures {height:.3g} m when its unit is {unit_name(unit)}, wanted {_LOWEST:g} to {_HIGHEST:g} m"
         raise refusal(body.files[0] if body.files else body.name, what, "give --units, or --kind object if it is no human")
-    faces, flipped = outward(body.faces, rest)
+    faces, flipped = (body.faces, False) if wanted.kind == GARMENT else outward(body.faces, rest)
     said = [*_told(body), *([turned] if turned else []), *(["faces of the body pointed inwards: turned"] if flipped else [])]
     if len(body.frames) == 1 and count > 1:
         said.append("the body has one frame: it stands still")

@@ -32,8 +32,7 @@ def read_usd(path: Path, prim: str, role: str) -> MeshSequence | None:
         name = choose(path, list(meshes), prim, role)
         return None if name is None else _mesh(path, stage, meshes[name])
     except Tf.ErrorException as e:
-        reason = str(e).strip().splitlines()[-1].strip()
-        raise refusal(path, f"damaged, or no USD file ({reason[:120]})", _AGAIN) from e
+        raise refusal(path, f"damaged, or no USD file ({_reason(e)})", _AGAIN) from e
 
 
 def write_usd(path: Path, meshes: list[MeshSequence]) -> None:
@@ -59,7 +58,7 @@ def write_usd(path: Path, meshes: list[MeshSequence]) -> None:
                 raise OSError("usd-core could not write it")
             os.replace(beside, partial)
     except Tf.ErrorException as e:
-        raise UserError(f"{path}: can't be written ({str(e).strip().splitlines()[-1]}); free some space or use another disk") from e
+        raise UserError(f"{path}: can't be written ({_reason(e)}); free some space there or use another disk") from e
     finally:
         beside.unlink(missing_ok=True)
 
@@ -70,6 +69,11 @@ def _packages() -> tuple:
     except ImportError as e:
         raise UserError("USD needs the package usd-core; pip install 'garmentbench[usd]', or use PC2, OBJ or npz") from e
     return Usd, UsdGeom, Tf
+
+
+def _reason(error: Exception) -> str:
+    """The first of the messages in one of USD's exceptions, without the places in its own code."""
+    return str(error).strip().splitlines()[0].split(" : '", 1)[-1].rstrip("'")[:120]
 
 
 def _mesh(path: Path, stage: "Usd.Stage", mesh: "UsdGeom.Mesh") -> MeshSequence:
