@@ -124,9 +124,11 @@ def _origins(start: np.ndarray, obstacle: Obstacle | int) -> np.ndarray:
 
 
 def _noise(fabric: Fabric, settings: Settings) -> np.ndarray:
-    """A push of length `start_noise` for each particle, in random directions, shape (P, 3)."""
+    """A push of length `start_noise` for each particle, in random directions, shape (P, 3). Pinned ones stay where they
+    are: they would be held there for ever, and the scene would be another."""
     push = np.random.default_rng(settings.noise_seed).standard_normal(fabric.rest.shape)
-    return settings.start_noise * push / np.linalg.norm(push, axis=1, keepdims=True)
+    push *= settings.start_noise / np.linalg.norm(push, axis=1, keepdims=True)
+    return np.where(fabric.pinned[:, None], 0.0, push)
 
 
 def _strain(fabric: Fabric, x: np.ndarray) -> tuple[float, float]:

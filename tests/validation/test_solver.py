@@ -83,6 +83,14 @@ def test_pins_follow_the_collider():
     assert pinned[-1, 0] - pinned[0, 0] > 0.1
 
 
+def test_a_push_at_the_start_moves_all_but_the_pins():
+    sheet = grid(4, 4, 0.2, 0.2, pins=[0, 4])
+    pushed = run(sheet, 2, settings=Settings(start_noise=0.01)).positions[0] - sheet.rest
+    length = np.linalg.norm(pushed, axis=1)
+    assert np.flatnonzero(length < 1e-9).tolist() == [0, 4]
+    assert np.delete(length, [0, 4]) == pytest.approx(np.full(23, 0.01), rel=1e-4)
+
+
 @pytest.mark.parametrize("stretch, bending", [(300.0, 1.5e-4), (300.0, 3e-2), (30000.0, 1.5e-2)])
 def test_stable_at_the_bound_and_not_far_beyond(stretch, bending):
     """The bound holds in every shape, so a flat sheet still stands a little more; not three times the step."""
