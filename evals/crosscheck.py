@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from evals.convergence import SCENES  # one a garment
 from evals.jobs import Failure, Job
 from evals.rows import about, failed_row
 from evals.study import Study
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
     from garmentbench.simulation.outfit import Outfit
 
 FRAMES = 60
-SCENES = ("tshirt-armspace-90", "sheet-stick-b")
 POSITIONS = "positions.npy"
 
 

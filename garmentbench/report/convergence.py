@@ -16,17 +16,19 @@ if TYPE_CHECKING:
     import pandas
 
 CONVERGENCE, TRUST = "convergence", "trust"
-CHOSEN, FINEST = "substeps_x1", "substeps_x8"
+CHOSEN, FINEST, ROUNDING = "substeps_x1", "substeps_x8", "start_1um"
 SUBSTEPS = {CHOSEN: 1, "substeps_x2": 2, "substeps_x4": 4, FINEST: 8}
 CHANGES = {
     CHOSEN: "the chosen setting",
     "substeps_x2": "twice the substeps",
     "substeps_x4": "4 times the substeps",
     FINEST: "8 times the substeps, the finest",
+    ROUNDING: "start pushed by a micrometre",
     "start_1mm": "start pushed by 1 mm",
     "start_1cm": "start pushed by 1 cm",
     "mesh_fine": "mesh twice as fine",
 }
+ABOVE_ROUNDING = 2.0  # differences in the step below so many times what rounding changes say nothing about it
 PART_OF_ERROR = 1 / 3  # the uncertainty may be so much of the full model's error
 
 
@@ -60,8 +62,9 @@ class Study:
 
     @property
     def order(self) -> float:
-        """The observed order of convergence in the step; see `observed_order`."""
-        return observed_order(self.mean(CHOSEN), self.mean("substeps_x4"))
+        """The observed order of convergence in the step (see `observed_order`); NaN where rounding hides it."""
+        coarse, fine = self.mean(CHOSEN), self.mean("substeps_x4")
+        return observed_order(coarse, fine) if fine > ABOVE_ROUNDING * self.mean(ROUNDING) else math.nan
 
 
 def observed_order(error_1: float, error_4: float) -> float:
@@ -138,7 +141,7 @@ def trust_table(found: list[Study]) -> Table:
         "The uncertainty is the larger of what the finest step and a start pushed by 1 mm change. It should be at most a "
         "third of the full model's roll-out error. What a finer mesh changes is no error of the simulation of this mesh, "
         "but says how far the mesh stands for the cloth. Order: of the error in the step, by its fall from 1 to 4 times "
-        "the substeps; the integrator's own is 1.",
+        "the substeps; the integrator's own is 1; none where rounding (a start pushed by a micrometre) changes as much.",
         ["scene", "order", "uncertainty [cm]", "finer mesh [cm]", "full model's error [cm]", "measured on", "at most a third"],
         rows,
         frozenset({0, 5, 6}),

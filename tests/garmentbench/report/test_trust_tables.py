@@ -27,7 +27,7 @@ def study_rows(scene: dict, scale: float = 1.0) -> list[dict]:
         rows += [of(variant, "substeps", 56 * k, "1"), of(variant, "ms_per_frame", 20.0 * k, "ms")]
         if variant in STEP:
             rows += [of(variant, "difference", scale * STEP[variant], "cm"), of(variant, "difference_p95", 2 * scale * STEP[variant], "cm")]
-    for variant, value in (("start_1mm", 0.02), ("start_1cm", 0.2), ("mesh_fine", 0.9)):
+    for variant, value in (("start_1um", 0.001), ("start_1mm", 0.02), ("start_1cm", 0.2), ("mesh_fine", 0.9)):
         rows += [of(variant, "difference", scale * value, "cm"), of(variant, "ms_per_frame", 20.0, "ms")]
     return rows
 
@@ -59,6 +59,13 @@ def test_the_verdict_is_a_third_of_the_full_model_s_error(tmp_path):
     assert "| dress-armspace-90 | 1.00 | 0.7 | 0.9 | 0.9 | dress-armspace-90 | no: 77.8 % |" in text
 
 
+def test_an_order_hidden_by_rounding_is_not_told(tmp_path):
+    """A micrometre at the start changes 0.06 cm, the step at 4 times the substeps 0.1 cm: less than twice that."""
+    rows = [r | {"value": 0.06} if (r["variant"], r["metric"]) == ("start_1um", "difference") else r for r in study_rows(WALK)]
+    assert math.isnan(studies(read(tmp_path, rows))[0].order)
+    assert studies(read(tmp_path, study_rows(WALK)))[0].order == pytest.approx(1)
+
+
 def test_without_the_model_it_says_so(tmp_path):
     text = markdown(trust_table(studies(read(tmp_path, study_rows(DRESS) + model_rows(0.6)))))
     assert "full model not run on it" in text
@@ -79,7 +86,7 @@ def test_the_chosen_setting_is_marked_and_every_run_is_there(tmp_path):
     text = markdown(convergence_table(studies(read(tmp_path, study_rows(WALK)))))
     assert "| tshirt-armspace-90 | **the chosen setting** | **56** | **0.7** | **1.4** | **20.0** | ok |" in text
     assert "| tshirt-armspace-90 | 8 times the substeps, the finest | 448 | – | – | 160 | ok |" in text
-    assert text.count("| tshirt-armspace-90 |") == 7
+    assert text.count("| tshirt-armspace-90 |") == 8
 
 
 def test_a_run_that_became_unstable_says_so(tmp_path):
