@@ -76,8 +76,8 @@ def _planted(ankle: np.ndarray, sole: np.ndarray, standing: np.ndarray, fps: flo
         moved[start:stop, :2] -= moved[start:stop, :2].mean(axis=0)
     path = ankle + _between(moved, phases, _FADE * fps)
     above = path[:, 2] - height
-    above = np.where(standing, 0.0, (above + np.sqrt(above**2 + _SOFT**2)) / 2)  # a soft max(above, 0)
-    path[:, 2] = height + above
+    soft = (np.clip(above, -_SOFT, _SOFT) + _SOFT) ** 2 / (4 * _SOFT) + np.maximum(above - _SOFT, 0.0)  # max(above, 0), C1
+    path[:, 2] = height + np.where(standing, 0.0, soft)
     return path
 
 
