@@ -12,8 +12,8 @@ import numpy as np
 
 from garmentbench.errors import UserError
 from garmentbench.exchange.choosing import choose
-from garmentbench.exchange.mdd import rate_of
 from garmentbench.exchange.mesh_sequence import MeshSequence, refusal
+from garmentbench.exchange.point_cache import rate_of
 from garmentbench.exchange.polygon_mesh import PolygonFrames, from_polygons
 
 _AGAIN = "export it again, as Ogawa (not HDF5) Alembic"

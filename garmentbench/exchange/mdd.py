@@ -10,7 +10,7 @@ import numpy as np
 
 from garmentbench.atomic import written_whole
 from garmentbench.exchange.mesh_sequence import MeshSequence, refusal, size_of
-from garmentbench.exchange.pc2 import with_template
+from garmentbench.exchange.point_cache import rate_of, with_template
 
 _HEADER = struct.Struct(">ii")
 _AGAIN = "export the cache again"
@@ -34,22 +34,6 @@ def read_mdd(path: Path, template: MeshSequence) -> MeshSequence:
     times = np.fromfile(path, ">f4", count, offset=_HEADER.size).astype(np.float64)
     frames = np.memmap(path, ">f4", "r", _HEADER.size + 4 * count, (count, points, 3))
     return with_template(path, frames, template, rate_of(path, times))
-
-
-def rate_of(path: Path, times: np.ndarray) -> float | None:
-    """Frames a second of evenly spaced times [s], shape (T,); None of a single one. Raises `UserError` for others."""
-    if len(times) < 2:
-        return None
-    with np.errstate(invalid="ignore", over="ignore"):
-        steps = np.diff(times)
-        step = (times[-1] - times[0]) / (len(times) - 1)
-        even = step > 0 and np.isfinite(times).all() and np.abs(steps - step).max() <= 0.05 * step + 1e-6 * np.abs(times).max()
-    if not even:
-        with np.errstate(invalid="ignore"):
-            bad = int(np.argmax(~(np.abs(steps - np.median(steps)) <= 0.05 * np.abs(np.median(steps)))))
-        found = f"frames {bad} and {bad + 1} are at {times[bad]:g} s and {times[bad + 1]:g} s, wanted evenly spaced times"
-        raise refusal(path, found, "export at a constant frame rate")
-    return float(round(1 / step, 3))
 
 
 def write_mdd(path: Path, mesh: MeshSequence) -> None:

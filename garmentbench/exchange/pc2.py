@@ -12,12 +12,12 @@ import numpy as np
 
 from garmentbench.atomic import written_whole
 from garmentbench.exchange.mesh_sequence import MeshSequence, refusal, size_of
-from garmentbench.exchange.obj import Step
+from garmentbench.exchange.point_cache import with_template
 
 _SIGNATURE = b"POINTCACHE2\0"
 _HEADER = struct.Struct("<12siiffi")
 _AGAIN = "export the cache again"
-_SLOWEST, _FASTEST = 10, 240  # a sample rate in between must be frames a second
+_SLOWEST, _FASTEST = 10, 240  # a sample rate in between must be meant as frames a second
 
 
 def read_pc2(path: Path, template: MeshSequence) -> MeshSequence:
@@ -40,17 +40,8 @@ def read_pc2(path: Path, template: MeshSequence) -> MeshSequence:
         raise refusal(path, found, _AGAIN)
     frames = np.memmap(path, "<f4", "r", _HEADER.size, (samples, points, 3))
     fps = float(rate) if _SLOWEST <= rate <= _FASTEST else None
-    return with_template(path, frames, template, fps)
-
-
-def with_template(path: Path, frames: np.ndarray, template: MeshSequence, fps: float | None) -> MeshSequence:
-    """Cached positions, shape (T, V, 3), on a template's mesh. Raises `UserError` where the vertex counts differ."""
-    if frames.shape[1] != len(template.still):
-        found = f"has {frames.shape[1]} points, its template {template.files[0]} has {len(template.still)} vertices"
-        raise refusal(path, found, "export both from the same mesh, with no modifier between")
-    return MeshSequence(
-        path.stem, frames, template.faces, template.corner_uv, template.still, fps,
-        notes=template.notes, files=(path, *template.files))
+    thinned = (f"sampled every {rate:g} frames: --fps is the rate of the samples",) if 1 < rate < _SLOWEST else ()
+    return with_template(path, frames, template, fps, thinned)
 
 
 def write_pc2(path: Path, mesh: MeshSequence) -> None:

@@ -45,7 +45,9 @@ def test_pc2_by_its_published_format(tmp_path, template):
 @pytest.mark.parametrize(("rate", "fps"), [(1.0, None), (2.0, None), (24.0, 24.0), (0.0, None), (float("nan"), None)])
 def test_pc2_says_a_frame_rate_only_where_it_can_be_one(tmp_path, template, rate, fps):
     (tmp_path / "a.pc2").write_bytes(pc2(rate))
-    assert read_pc2(tmp_path / "a.pc2", template).fps == fps
+    read = read_pc2(tmp_path / "a.pc2", template)
+    assert read.fps == fps
+    assert read.notes == (("sampled every 2 frames: --fps is the rate of the samples",) if rate == 2 else ())
 
 
 def test_mdd_by_its_published_format(tmp_path, template):
