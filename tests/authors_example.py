@@ -46,10 +46,21 @@ class Written:
 
 
 def write_release(
-    folder: Path, place: Placement = Y_UP, frames: int = 6, size: int = 8, seed_count: int = 12, scale: float = 1.0
+    folder: Path,
+    place: Placement = Y_UP,
+    frames: int = 6,
+    size: int = 8,
+    seed_count: int = 12,
+    scale: float = 1.0,
+    meshes: tuple[str, str] = ("smoke", "small"),
 ) -> Written:
-    """Write everything but checkpoints. The maps' rows run downwards, as ours do not. scale: units in a metre."""
-    garment, body = load_garment("tshirt", "smoke"), load_body("base", "small").body
+    """Write everything but checkpoints. The maps' rows run downwards, as ours do not.
+
+    Args:
+        scale: Units in a metre.
+        meshes: Sizes of the baked garment and body.
+    """
+    garment, body = load_garment("tshirt", meshes[0]), load_body("base", meshes[1]).body
     rng = np.random.default_rng(0)
 
     def theirs(points: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ import numpy as np
 
 from garmentbench.errors import UserError
 from garmentbench.exchange.authors_axes import Placement, placement
-from garmentbench.exchange.authors_files import SurfaceSamples, read_arrays, read_groups, read_obj, read_samples
+from garmentbench.exchange.authors_files import SurfaceSamples, read_arrays, read_groups, read_mesh, read_points, read_samples
 from garmentbench.exchange.authors_release import Release
 from garmentbench.geometry.nearest import nearest_vertices
 from garmentbench.progress import track
@@ -42,7 +42,7 @@ def read_release(
     Raises:
         UserError: A file is missing or damaged, or files do not fit each other.
     """
-    rest, faces = read_obj(release.body("body_geo.obj"), faces=True)
+    rest, faces = read_mesh(release.body("body_geo.obj"))
     place = placement(rest, unit, axes)
     seeds = read_samples(release.body("body_*_sample.txt"), len(rest))
     body = Body("authors", place(rest), faces, *vertex_labels(rest, seeds))
@@ -64,8 +64,8 @@ def read_release(
 
 def read_garment(release: Release, place: Placement) -> Garment:
     """The garment's template. Raises `UserError` as `read_release`."""
-    rest, faces = read_obj(release.cloth("garment_geo.obj"), faces=True)
-    uv, _ = read_obj(release.cloth("garment_uv.obj"))
+    rest, faces = read_mesh(release.cloth("garment_geo.obj"))
+    uv = read_points(release.cloth("garment_uv.obj"))
     if len(uv) != len(rest):
         raise UserError(f"{release.cloth('garment_uv.obj')}: {len(uv)} points for {len(rest)} vertices; wanted one each")
     groups = read_groups(release.cloth("ind_B2O_*.txt"), len(rest))
@@ -106,7 +106,7 @@ def _read_frames(
     with track(len(files), "reading frames") as step:
         for t, (number, (garment, body)) in enumerate(files.items()):
             position, _, velocity = read_arrays(garment, 3)
-            obstacle = read_obj(body)[0]
+            obstacle = read_points(body)
             for path, array, wanted in ((garment, position, vertices), (garment, velocity, vertices), (body, obstacle, body_vertices)):
                 if array.shape != (wanted, 3):
                     raise UserError(f"{path}: an array of shape {array.shape}, wanted ({wanted}, 3) as in the template")

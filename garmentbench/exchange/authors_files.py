@@ -14,6 +14,7 @@ from typing import BinaryIO
 import numpy as np
 
 from garmentbench.errors import UserError
+from garmentbench.exchange.obj_text import ObjText
 from garmentbench.geometry.uvmap import Chart
 
 AGAIN = "copy it from the authors' release again"
@@ -52,16 +53,24 @@ def _array(file: BinaryIO, size: int) -> np.ndarray:
     return array.reshape(shape, order="F" if by_columns else "C").astype(np.float64)
 
 
-def read_obj(path: Path, faces: bool = False) -> tuple[np.ndarray, np.ndarray]:
-    """Vertices, shape (V, 3), float64, and, if asked for, triangles, shape (F, 3), int32, of an OBJ file."""
-    with _said_of(path, "an OBJ file of vertices" + (" and triangles" if faces else "")):
-        lines = path.read_bytes().splitlines()
-        vertices = _rows([line[2:].split()[:3] for line in lines if line.startswith(b"v ")])
-        if not faces:
-            return vertices, np.zeros((0, 3), np.int32)
-        corners = [line[2:].split() for line in lines if line.startswith(b"f ")]
-        triangles = _rows([[corner.split(b"/")[0] for corner in face] for face in corners])
-        return vertices, _indices(triangles - 1, len(vertices)).astype(np.int32)
+def read_points(path: Path) -> np.ndarray:
+    """Vertices of an OBJ file, shape (V, 3), float32, finite."""
+    return _finite(path, ObjText(path).positions())
+
+
+def read_mesh(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices, shape (V, 3), float32, and triangles, shape (F, 3), int32, of an OBJ file."""
+    mesh = ObjText(path).mesh()
+    if (mesh.counts != 3).any():
+        raise UserError(f"{path}: has faces of {mesh.counts.max()} corners, wanted triangles; {AGAIN}")
+    return _finite(path, mesh.positions), mesh.corners.reshape(-1, 3).astype(np.int32)
+
+
+def _finite(path: Path, points: np.ndarray) -> np.ndarray:
+    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if len(bad):
+        raise UserError(f"{path}: vertex {bad[0]} is not finite; {AGAIN}")
+    return points
 
 
 def read_vectors(path: Path) -> np.ndarray:
@@ -146,16 +155,6 @@ def _said_of(path: Path, wanted: str) -> Iterator[None]:
 def _numbers(path: Path) -> np.ndarray:
     """All numbers of a text, shape (n,), float64, the `#` before a count left out."""
     numbers = np.array(path.read_bytes().replace(b"#", b" ").split()).astype(np.float64)
-    if not np.isfinite(numbers).all():
-        raise ValueError("a number that is not finite")
-    return numbers
-
-
-def _rows(rows: list[list[bytes]]) -> np.ndarray:
-    """Rows of three numbers, shape (n, 3), float64."""
-    if not rows or any(len(row) != 3 for row in rows):
-        raise ValueError("no rows, or one without three numbers")
-    numbers = np.array(rows, dtype=bytes).astype(np.float64).reshape(-1, 3)
     if not np.isfinite(numbers).all():
         raise ValueError("a number that is not finite")
     return numbers

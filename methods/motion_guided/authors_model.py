@@ -9,7 +9,9 @@ import torch
 from garmentbench.errors import UserError
 from garmentbench.exchange.authors import read_garment
 from garmentbench.exchange.authors_axes import Placement, placement
-from garmentbench.exchange.authors_files import read_arrays, read_chart, read_obj, read_samples, read_sampling, read_vectors
+from garmentbench.exchange.authors_files import (
+    read_arrays, read_chart, read_mesh, read_points, read_samples, read_sampling, read_vectors,
+)
 from garmentbench.exchange.authors_release import Release
 from garmentbench.geometry.surface_seeds import SurfaceSeeds, surface_frames, surface_seeds
 from methods.motion_guided.authors import load_dynamic, load_sdf, load_static
@@ -36,7 +38,7 @@ def read_model(
     Raises:
         UserError: A file is missing, damaged, or does not belong to the others.
     """
-    body, faces = read_obj(release.body("body_geo.obj"), faces=True)
+    body, faces = read_mesh(release.body("body_geo.obj"))
     place = placement(body, unit, axes)
     if place.unit != "m":
         raise UserError(f"{release.folder}: in {place.unit}; the authors' networks are in metres, as their constants are, so "
@@ -96,7 +98,7 @@ def _seed_difference(release: Release, place: Placement, seeds: SurfaceSeeds) ->
     """How far our seeds are from those that the release stores for its first frame."""
     number, path = next(iter(release.seed_frames("").items()))
     rotations, _, positions, normals = read_arrays(path, 4)
-    body = place(read_obj(release.body_frames("")[number])[0])
+    body = place(read_points(release.body_frames("")[number]))
     ours, _, our_normals = surface_frames(body, seeds)
     turns = smallest_rotations(seeds.frames[..., 2], our_normals)
     theirs = place.turn @ rotations @ place.turn.T

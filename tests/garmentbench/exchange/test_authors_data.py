@@ -12,7 +12,7 @@ from garmentbench.bodies import load_body
 from garmentbench.errors import UsageError, UserError
 from garmentbench.exchange.authors import read_release
 from garmentbench.exchange.authors_axes import placement
-from garmentbench.exchange.authors_files import read_arrays, read_chart, read_groups, read_obj, read_samples, read_sampling
+from garmentbench.exchange.authors_files import read_arrays, read_chart, read_groups, read_mesh, read_samples, read_sampling
 from garmentbench.exchange.authors_release import open_release
 from garmentbench.garments import load_garment
 
@@ -126,7 +126,8 @@ def test_frames_that_were_left_out_show_in_their_velocities(copy):
         (lambda f: (f / "uv_tshirt" / "ind_B2O_10.txt").unlink(), "wanted one ind_B2O_\\*.txt, found none"),
         (lambda f: shutil.rmtree(f / "body_n"), "wanted frames 000001.obj"),
         (lambda f: (f / "uv_tshirt" / "garment_uv.obj").write_text("v 0 0 0\n"), f"1 points for {VERTICES} vertices"),
-        (lambda f: (f / "uv_body" / "body_geo.obj").write_text("v 0 0 zero\nf 1 1 1\n"), "damaged or of another kind"),
+        (lambda f: (f / "uv_body" / "body_geo.obj").write_text("v 0 0 zero\nf 1 1 1\n"), "v 0 0 zero', wanted numbers"),
+        (lambda f: (f / "uv_body" / "body_geo.obj").write_text("v 0 0 nan\nv 0 1 0\nv 1 0 0\nf 1 2 3\n"), "vertex 0 is not finite"),
         (lambda f: (f / "body_n" / "000002.obj").write_text("v 0 0 0\n"), "shape \\(1, 3\\), wanted"),
         (lambda f: save_arrays(f / "TShirt_pnva" / "000002.npy", *3 * [np.zeros((3, 3))]), f"shape \\(3, 3\\), wanted \\({VERTICES}, 3\\)"),
         (lambda f: save_arrays(f / "TShirt_pnva" / "000002.npy", np.zeros((VERTICES, 3))), "wanted 3 arrays of numbers"),
@@ -155,7 +156,7 @@ def test_arrays_of_either_byte_order_and_layout(tmp_path):
 
 
 READERS = {
-    "uv_body/body_geo.obj": lambda p: read_obj(p, faces=True),
+    "uv_body/body_geo.obj": lambda p: read_mesh(p),
     "uv_body/body_t_12_sample.txt": lambda p: read_samples(p, 10_000),
     "uv_tshirt/garment_uvMap_8.txt": lambda p: read_chart(p, VERTICES),
     "uv_tshirt/garment_16_vertPixel.txt": lambda p: read_sampling(p, VERTICES, 16),

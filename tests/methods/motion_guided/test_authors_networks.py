@@ -10,7 +10,7 @@ import torch
 from authors_example import Y_UP, Z_UP, Written, write_release
 
 from garmentbench.errors import UserError
-from garmentbench.exchange.authors_files import read_obj
+from garmentbench.exchange.authors_files import read_mesh
 from garmentbench.exchange.authors_release import open_release
 from garmentbench.method import BodyFrame, History
 from garmentbench.sequence import Body, Garment, Template
@@ -22,11 +22,10 @@ from methods.motion_guided.descriptor import uv_encoding
 from methods.motion_guided.dynamics import DynamicEncoder
 from methods.motion_guided.frames import Link, Pose
 from methods.motion_guided.generative import GenerativeModel
-from methods.motion_guided.inputs import Past, dynamic_inputs
+from methods.motion_guided.inputs import Inputs, dynamic_inputs, past_of
 from methods.motion_guided.method import MotionGuided
 from methods.motion_guided.networks import Decoder, DisplacementMLP, Encoder, GeometryFeatures
 
-SIZE, WIDTH, LATENT, MLP, SEEDS = 8, 4, 6, 5, 12
 AXES = {"z_up": Z_UP, "y_up": Y_UP}
 
 
@@ -42,11 +41,11 @@ class Networks:
     radius: torch.Tensor
 
     @classmethod
-    def random(cls) -> "Networks":
+    def random(cls, width: int = 4, size: int = 8, latent: int = 6, mlp: int = 5, seeds: int = 12) -> "Networks":
         torch.manual_seed(3)
-        relative, change = theirs.Relative(SEEDS, WIDTH), theirs.Change(SEEDS, WIDTH)
-        encoder, dynamic = (theirs.Encoder(k * WIDTH, SIZE, WIDTH, LATENT) for k in (1, 2))
-        return cls(relative, encoder, theirs.Decoder(SIZE, WIDTH, LATENT, MLP), change, dynamic, torch.tensor([0.04, 0.05, 0.07]))
+        relative, change = theirs.Relative(seeds, width), theirs.Change(seeds, width)
+        encoder, dynamic = (theirs.Encoder(k * width, size, width, latent) for k in (1, 2))
+        return cls(relative, encoder, theirs.Decoder(size, width, latent, mlp), change, dynamic, torch.tensor([0.04, 0.05, 0.07]))
 
     def double(self) -> "Networks":
         return Networks(*(x.double() for x in vars(self).values()))
@@ -72,7 +71,8 @@ class Frame:
         self.nets, self.w, self.tensor = nets, w, tensor
         table = torch.from_numpy(w.chart_table)
         weights = torch.cat([1 - table[:, 5:].sum(1, keepdim=True), table[:, 5:]], dim=1).to(dtype)
-        self.map = (SIZE, table[:, :2].long(), table[:, 2:5].long(), weights)
+        size = sizes_of(nets.static).map_size
+        self.map = (size, table[:, :2].long(), table[:, 2:5].long(), weights)
         self.seeds0 = tensor(np.einsum("nk,nkx->nx", w.weights, w.body_rest[w.corners]))
         self.radius = nets.radius.to(dtype)[torch.from_numpy(w.labels)]
 
@@ -115,11 +115,11 @@ def ours(written: Written, nets: Networks, dtype: torch.dtype) -> tuple[Generati
     static, turn = nets.static, torch.from_numpy(written.place.turn)
     sizes = sizes_of(static)
     release = open_release(written.folder)
-    body, faces = read_obj(release.body("body_geo.obj"), faces=True)
+    body, faces = read_mesh(release.body("body_geo.obj"))
     canonical = read_canonical(release, written.place, body, faces, sizes.map_size)
     model = GenerativeModel(canonical, sizes).to(dtype)
     model.uv = uv_encoding(torch.from_numpy(canonical.uv).to(dtype))
-    dynamics = DynamicEncoder(sizes, SEEDS, touches=True, pose_path=False).to(dtype)
+    dynamics = DynamicEncoder(sizes, sizes.seeds, touches=True, pose_path=False).to(dtype)
     load_static(model, static, written.folder, torch.arange(3), turn)
     load_dynamic(dynamics, nets.dynamics, written.folder, turn)
     return model, dynamics
@@ -134,11 +134,37 @@ def template(method: MotionGuided, bodies: np.ndarray) -> Template:
     return Template(Garment("tshirt", c.rest, c.faces, c.uv, c.seams), Body("authors", bodies[0], np.zeros((0, 3), np.int32)), 30.0)
 
 
-def pair(written: Written, dtype: torch.dtype) -> tuple[Frame, GenerativeModel, DynamicEncoder, torch.Tensor]:
+def pair(
+    written: Written, dtype: torch.dtype, nets: Networks | None = None
+) -> tuple[Frame, GenerativeModel, DynamicEncoder, torch.Tensor]:
     """Theirs and ours with the same weights, and the turn from their axes to ours."""
-    nets = Networks.random()
+    nets = nets or Networks.random()
     nets = nets.double() if dtype is torch.float64 else nets
     return Frame(nets, written, dtype), *ours(written, nets, dtype), torch.from_numpy(written.place.turn).to(dtype)
+
+
+def step_code(frame: Frame, t: int) -> torch.Tensor:
+    """Their code at t after the written garments."""
+    x = [frame.tensor(frame.w.garment[k]) for k in (t - 3, t - 2, t - 1)]
+    velocity = x[2] - x[1]
+    return frame.code(x[2], velocity, velocity - (x[1] - x[0]), t)
+
+
+def step_inputs(frame: Frame, model: GenerativeModel, turn: torch.Tensor, t: int) -> Inputs:
+    """Our inputs there, in our axes, relative to the seeds' mean at t - 1."""
+    w = frame.w
+    origin = frame.tensor(w.seeds[t - 1]).mean(0)
+
+    def pose(t: int) -> Pose:
+        seeds = (frame.tensor(w.seeds[t]) - origin) @ turn.T
+        turns = torch.eye(3, dtype=seeds.dtype).expand(1, len(seeds), 3, 3)  # which the encoder does not see
+        return Pose(seeds[None], turns, (frame.tensor(w.normals[t]) @ turn.T)[None])
+
+    third, second, last = ((frame.tensor(w.garment[k]) - origin) @ turn.T for k in (t - 3, t - 2, t - 1))
+    stay = Link(torch.eye(3, dtype=third.dtype)[None], torch.zeros(1, 1, 3, dtype=third.dtype))
+    past = past_of(third[None], second[None], last[None], stay)
+    distance = code_config(model.options).stage2.force_distance
+    return dynamic_inputs(model, past, pose(t - 1), pose(t), stay, distance, touches=True)
 
 
 def difference(mine: torch.Tensor, their: torch.Tensor) -> float:
@@ -167,26 +193,13 @@ def test_static_branch_equals_theirs(written, dtype, tolerance):
 @pytest.mark.parametrize(("dtype", "tolerance"), [(torch.float32, 1e-5), (torch.float64, 1e-10)])
 @torch.no_grad()
 def test_dynamic_branch_equals_theirs(written, dtype, tolerance):
-    frame, model, dynamics, turn = pair(written, dtype)
-    x = [frame.tensor(written.garment[t]) for t in (1, 2, 3)]
-    velocity, t = x[2] - x[1], 4
-    acceleration = velocity - (x[1] - x[0])
-    code = frame.code(x[2], velocity, acceleration, t)
-
-    def pose(t: int) -> Pose:
-        seeds, normals = (frame.tensor(a[t]) @ turn.T for a in (written.seeds, written.normals))
-        return Pose((seeds - origin)[None], torch.eye(3, dtype=dtype).expand(1, SEEDS, 3, 3), normals[None])
-
-    origin = frame.tensor(written.seeds[t - 1]).mean(0) @ turn.T
-    garment = (x[2] @ turn.T - origin)[None]
-    motion = torch.cat([velocity @ turn.T, acceleration @ turn.T], dim=-1)[None]
-    stay = Link(torch.eye(3, dtype=dtype)[None], torch.zeros(1, 1, 3, dtype=dtype))
-    past, options = Past(garment, garment, motion), code_config(model.options)
-    inputs = dynamic_inputs(model, past, pose(t - 1), pose(t), stay, options.stage2.force_distance, touches=True)
+    (frame, model, dynamics, turn), t = pair(written, dtype), 4
+    inputs = step_inputs(frame, model, turn, t)
     assert (inputs.strength > 0).any()
-    assert difference(dynamics(inputs), code) < tolerance
-    still = torch.cat([frame.features(x[2], frame.tensor(written.seeds[t - 1])), torch.zeros(1, WIDTH, SIZE, SIZE, dtype=dtype)], 1)
-    assert difference(dynamics.still(inputs), frame.nets.dynamic(still)) < tolerance
+    assert difference(dynamics(inputs), step_code(frame, t)) < tolerance
+    features = frame.features(frame.tensor(written.garment[t - 1]), frame.tensor(written.seeds[t - 1]))
+    still = frame.nets.dynamic(torch.cat([features, torch.zeros_like(features)], dim=1))
+    assert difference(dynamics.still(inputs), still) < tolerance
 
 
 @torch.no_grad()
@@ -319,3 +332,15 @@ def test_damaged_checkpoints_end_in_one_line(tmp_path, files, old_format):
             read_checkpoint(path, STATIC)
         except UserError as e:
             assert "\n" not in str(e)
+
+
+@torch.no_grad()
+def test_all_581_seeds_on_the_papers_garment_equal_theirs(tmp_path):
+    """The paper's vertices and seeds, hence its 1,743 channels, on smaller maps and widths."""
+    written = write_release(tmp_path, Y_UP, frames=4, size=32, seed_count=581, meshes=("paper", "full"))
+    nets = Networks.random(width=16, size=32, latent=64, mlp=64, seeds=581)
+    (frame, model, dynamics, turn), t = pair(written, torch.float32, nets), 3
+    code = step_code(frame, t)
+    inputs = step_inputs(frame, model, turn, t)
+    assert difference(dynamics(inputs), code) < 2e-5
+    assert difference(model.displaced(code)[0], frame.displaced(code) @ turn.T) < 1e-5
