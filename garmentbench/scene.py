@@ -110,6 +110,19 @@ def _read(name: str) -> Scene:
     return _scene(path, table)
 
 
+def _check_clip(path: Path, motion: dict) -> None:
+    """Raises `UserError` for what is wrong in a [motion] table about a recorded clip."""
+    if ("file" in motion) != (motion.get("name") == "clip"):
+        raise UserError(f"{path}: motion \"clip\" and its file go together; wanted [motion] with name = \"clip\" and file")
+    number = (int | float, "a number [s]")
+    for key, (kind, wanted) in {
+        "file": (str, "the path of a recording"), "start": number, "stop": number, "arm_space": (int | float, "degrees"),
+        "map": (dict, "a table of the recording's joints = ours"),
+    }.items():
+        if key in motion and not isinstance(motion[key], kind):
+            raise UserError(f"{path}: {key} is {motion[key]!r}; wanted {wanted}")
+
+
 def _scene(path: Path, table: dict) -> Scene:
     motion = table.pop("motion", None)
     if isinstance(motion, str):
@@ -126,8 +139,7 @@ def _scene(path: Path, table: dict) -> Scene:
         table["worn_over"] = str(path.parent / table["worn_over"])
     if "translate" in motion:
         motion["translate"] = tuple(motion["translate"])
-    if ("file" in motion) != (motion.get("name") == "clip"):
-        raise UserError(f"{path}: motion \"clip\" and its file go together; wanted [motion] with name = \"clip\" and file")
+    _check_clip(path, motion)
     if "file" in motion:
         motion["file"] = str(path.parent / motion["file"])
     try:
