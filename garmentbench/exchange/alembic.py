@@ -24,7 +24,8 @@ def read_alembic(path: Path, prim: str, role: str) -> MeshSequence | None:
     try:
         from alembic3d import Abc
     except ImportError as e:
-        raise UserError("Alembic needs the package alembic3d; pip install 'garmentbench[alembic]', or export PC2, OBJ or USD") from e
+        do = "pip install 'garmentbench[alembic]', or export PC2, OBJ or USD instead"
+        raise UserError(f"Alembic needs the package alembic3d; {do}") from e
     try:
         archive = Abc.IArchive(str(path))
         meshes = dict(_meshes(archive.getTop(), ()))
@@ -40,11 +41,13 @@ def _meshes(holder: Any, above: tuple) -> Iterator[tuple[str, tuple]]:
     from alembic3d import Abc, AbcGeom
 
     for header in holder.children:
-        child = Abc.IObject(holder, header.getName())
-        if AbcGeom.IPolyMesh.matches(header.getMetaData()):
-            yield child.getFullName(), (AbcGeom.IPolyMesh(holder, header.getName()).getSchema(), above)
-        transform = AbcGeom.IXform(holder, header.getName()).getSchema() if AbcGeom.IXform.matches(header.getMetaData()) else None
-        yield from _meshes(child, above if transform is None else (*above, transform))
+        name, kind = header.getName(), header.getMetaData()
+        child, transforms = Abc.IObject(holder, name), above
+        if AbcGeom.IPolyMesh.matches(kind):
+            yield child.getFullName(), (AbcGeom.IPolyMesh(holder, name).getSchema(), above)
+        if AbcGeom.IXform.matches(kind):
+            transforms = (*above, AbcGeom.IXform(holder, name).getSchema())
+        yield from _meshes(child, transforms)
 
 
 def _mesh(path: Path, name: str, found: tuple) -> MeshSequence:

@@ -11,7 +11,6 @@
 import tokenize
 import zipfile
 import zlib
-from collections.abc import Callable
 from pathlib import Path
 
 import h5py
@@ -76,7 +75,8 @@ def _npy(archive: zipfile.ZipFile, member: zipfile.ZipInfo, size: int) -> np.nda
     """An array of an archive of `size` bytes, read only when its header claims no more than is there."""
     with archive.open(member) as file:
         version = np.lib.format.read_magic(file)
-        read_header: Callable = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+        form = np.lib.format
+        read_header = form.read_array_header_1_0 if version == (1, 0) else form.read_array_header_2_0
         shape, _, dtype = read_header(file)
         claimed = int(np.prod(shape, dtype=object)) * dtype.itemsize
         if dtype.hasobject:

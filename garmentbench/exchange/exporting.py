@@ -57,7 +57,7 @@ def _rolled_out(name: str, recorded: Path | None) -> tuple[Sequence, list[str]]:
     if not path.is_file():
         raise UserError(f"{run.id}: the sequence that it was evaluated on is not at {path}; name it with --sequence")
     if sequence_file.content_hash(path) != run.identity["data"]:
-        raise UserError(f"{run.id}: was evaluated on another sequence than {path}; evaluate again, or name it with --sequence")
+        raise UserError(f"{run.id}: was evaluated on another sequence than {path}; name the right one with --sequence")
     sequence, roll = sequence_file.load(path), RollOut.load(run.folder / "rollout.h5")
     good = np.isfinite(roll.garment).all(axis=(1, 2))
     count = len(good) if good.all() else int(np.argmin(good))

@@ -79,7 +79,7 @@ def _own_sequence(source: str) -> Sequence | None:
 def _renamed(sequence: Sequence, body: Place, wanted: Wanted) -> tuple[Sequence, list[str]]:
     template, given = sequence.template, wanted.given
     if body[0] or wanted.make_uv or (given.units, given.up, given.fps) != (None, None, None):
-        raise UsageError("import: a garmentbench sequence says all of itself; only --frames, --split and names can be given with it")
+        raise UsageError("import: a garmentbench sequence says all of itself; only --frames, --split and names go with it")
     count = _frame_count(len(sequence), None, wanted.frames)
     garment = replace(template.garment, name=wanted.garment or template.garment.name)
     worn = None if template.body is None else replace(template.body, name=wanted.body or template.body.name)
@@ -117,7 +117,8 @@ def import_meshes(garment: MeshSequence, body: MeshSequence | None, wanted: Want
     if body is not None:
         template, moving, lines = _body(body, found, wanted, count)
         said += lines + _far(frames[0], moving[0])
-    info = {"scene": wanted.scene, "split": wanted.split, "motion": "imported", "imported": _provenance(garment, body, found, list(said))}
+    info = {"scene": wanted.scene, "split": wanted.split, "motion": "imported"}
+    info["imported"] = _provenance(garment, body, found, list(said))
     return Sequence(Template(cloth, template, found.fps), frames, moving, info), said
 
 
@@ -128,7 +129,7 @@ def _body(body: MeshSequence, found: Conventions, wanted: Wanted, count: int) ->
     height = float(np.ptp(rest, axis=0).max())
     if wanted.kind == HUMAN and wanted.given.units is None and not _LOWEST <= height <= _HIGHEST:
         what = f"the body measures {height:.3g} m when its unit is {unit_name(unit)}, wanted {_LOWEST:g} to {_HIGHEST:g} m"
-        raise refusal(body.files[0] if body.files else body.name, what, "give --units, or --kind object if it is no human")
+        raise refusal(body.where, what, "give --units, or --kind object if it is no human")
     faces, flipped = (body.faces, False) if wanted.kind == GARMENT else outward(body.faces, rest)
     said = [*_told(body), *([turned] if turned else []), *(["faces of the body pointed inwards: turned"] if flipped else [])]
     if len(body.frames) == 1 and count > 1:

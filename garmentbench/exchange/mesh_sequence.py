@@ -39,6 +39,11 @@ class MeshSequence:
     files: tuple[Path, ...] = ()
 
     @property
+    def where(self) -> Path | str:
+        """What to name in a complaint: its file, or else its name."""
+        return self.files[0] if self.files else self.name
+
+    @property
     def still(self) -> np.ndarray:
         """The rest positions, or else the first frame, shape (V, 3)."""
         return self.frames[0] if self.rest is None else self.rest

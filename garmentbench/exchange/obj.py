@@ -29,7 +29,8 @@ def series(source: str) -> list[Path]:
     found = [*path.glob("*.obj"), *path.glob("*.OBJ")] if path.is_dir() else [Path(p) for p in glob.glob(source)]
     files = sorted({p for p in ([path] if path.is_file() else found) if p.is_file()}, key=_natural)
     if not files:
-        raise refusal(source, "no OBJ file there, wanted one a frame", "name their folder, or a pattern such as 'out/shirt_*.obj'")
+        do = "name their folder, or a pattern such as 'out/shirt_*.obj'"
+        raise refusal(source, "no OBJ file there, wanted one a frame", do)
     if len(files) > 1:
         _refuse_mixed(source, files)
     return files

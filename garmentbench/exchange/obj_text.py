@@ -136,8 +136,8 @@ class ObjText:
             style = style or [len(words) if kind != "f" else w.count("/") for w in words[:1]]
             same = [w.count("/") for w in words] == style * len(words) if kind == "f" else [len(words)] == style
             if len(words) < wanted or not same or not all(_is_number(part, kind) for w in words for part in w.split("/")):
-                found = f"line {line + 1} is '{text.strip()[:60]}', wanted {'numbers' if kind != 'f' else 'corners'} as before it"
-                return refusal(self.path, found, _AGAIN)
+                like = "corners" if kind == "f" else "numbers"
+                return refusal(self.path, f"line {line + 1} is '{text.strip()[:60]}', wanted {like} as before it", _AGAIN)
         return refusal(self.path, f"its {kind} lines can't be read", _AGAIN)
 
 

@@ -25,9 +25,10 @@ def read_pc2(path: Path, template: MeshSequence) -> MeshSequence:
     size = size_of(path, "a PC2 file")
     with path.open("rb") as file:
         header = file.read(_HEADER.size)
-    if not header.startswith(_SIGNATURE[: len(header)]) or len(header) < _HEADER.size:
-        what = f"cut off in its header of {_HEADER.size} bytes" if header.startswith(_SIGNATURE[: len(header)]) else "no PC2 file"
-        raise refusal(path, f"{what}, wanted it to begin with POINTCACHE2", _AGAIN)
+    if not header.startswith(_SIGNATURE[: len(header)]):
+        raise refusal(path, "no PC2 file, wanted it to begin with POINTCACHE2", _AGAIN)
+    if len(header) < _HEADER.size:
+        raise refusal(path, f"cut off in its header: has {size} bytes, wanted more than {_HEADER.size}", _AGAIN)
     _, version, points, _, rate, samples = _HEADER.unpack(header)
     if version != 1:
         order = ": its bytes are in big-endian order" if version == 1 << 24 else ""
@@ -36,8 +37,8 @@ def read_pc2(path: Path, template: MeshSequence) -> MeshSequence:
         raise refusal(path, f"its header says {points} points and {samples} frames, wanted at least 1 of each", _AGAIN)
     wanted = _HEADER.size + 12 * points * samples
     if size != wanted:
-        found = f"has {size} bytes, its header ({samples} frames of {points} points) wants {wanted}: it is damaged or cut off"
-        raise refusal(path, found, _AGAIN)
+        claim = f"its header ({samples} frames of {points} points) wants {wanted}"
+        raise refusal(path, f"has {size} bytes, {claim}: it is damaged or cut off", _AGAIN)
     frames = np.memmap(path, "<f4", "r", _HEADER.size, (samples, points, 3))
     fps = float(rate) if _SLOWEST <= rate <= _FASTEST else None
     thinned = (f"sampled every {rate:g} frames: --fps is the rate of the samples",) if 1 < rate < _SLOWEST else ()

@@ -27,15 +27,17 @@ def placed_frames(mesh: MeshSequence, origin: np.ndarray | slice, unit: float, u
         if len(bad):
             frame, vertex = bad[0]
             values = ", ".join(f"{v:g}" for v in block[frame, vertex])
-            found = f"frame {start + frame}, vertex {vertices[vertex]} is at ({values}), wanted finite positions near the scene"
-            raise refusal(mesh.files[0] if mesh.files else mesh.name, found, "export it again, or cut it before that frame (--frames)")
+            found = f"frame {start + frame}, vertex {vertices[vertex]} is at ({values}), wanted finite positions"
+            raise refusal(mesh.where, found, "export it again, or cut it before that frame (--frames)")
         out[start : start + len(moved)] = moved
     if held:
         out[:] = out[0]
     return out
 
 
-def placed_rest(mesh: MeshSequence, origin: np.ndarray | slice, unit: float, up: str, first: np.ndarray) -> tuple[np.ndarray, str]:
+def placed_rest(
+    mesh: MeshSequence, origin: np.ndarray | slice, unit: float, up: str, first: np.ndarray
+) -> tuple[np.ndarray, str]:
     """Rest positions [m], shape (W, 3), float32, upright as the first frame is; and what was turned, or "".
 
     Templates are often exported with other axes than caches: a quarter turn about x that fits the first frame far better

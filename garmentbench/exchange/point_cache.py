@@ -26,7 +26,8 @@ def rate_of(path: Path, times: np.ndarray) -> float | None:
     with np.errstate(invalid="ignore", over="ignore"):
         steps = np.diff(times)
         step = (times[-1] - times[0]) / (len(times) - 1)
-        even = step > 0 and np.isfinite(times).all() and np.abs(steps - step).max() <= 0.05 * step + 1e-6 * np.abs(times).max()
+        rounding = 1e-6 * np.abs(times).max()
+        even = step > 0 and np.isfinite(times).all() and np.abs(steps - step).max() <= 0.05 * step + rounding
     if not even:
         with np.errstate(invalid="ignore"):
             bad = int(np.argmax(~(np.abs(steps - np.median(steps)) <= 0.05 * np.abs(np.median(steps)))))

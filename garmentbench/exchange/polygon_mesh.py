@@ -63,4 +63,5 @@ def from_polygons(mesh: PolygonFrames, fps: float | None, unit: float | None, up
         frames[t] = positions
     rest = mesh.rest if mesh.rest is not None and mesh.rest.shape == first.shape else None
     uv = None if mesh.corner_uv is None else mesh.corner_uv[cut].astype(np.float32)
-    return MeshSequence(mesh.name, frames, mesh.corners[cut].astype(np.int32), uv, rest, fps, unit, up, notes=what_was_cut(mesh.counts))
+    faces = mesh.corners[cut].astype(np.int32)
+    return MeshSequence(mesh.name, frames, faces, uv, rest, fps, unit, up, notes=what_was_cut(mesh.counts))

@@ -51,7 +51,8 @@ def read_meshes(source: str, template: Path | None = None, prim: str = "", role:
         raise UsageError(f"{source}: '{prim}' can't be looked up in it; only USD and Alembic files hold several meshes")
     if ending in CACHES:
         if template is None:
-            raise refusal(source, "holds positions only, wanted faces and UV too", "give an OBJ file of the same mesh (--template)")
+            do = "give an OBJ file of the same mesh (--template)"
+            raise refusal(source, "holds positions only, wanted faces and UV too", do)
         return CACHES[ending](path, read_template(template))
     if ending == ".obj" or path.is_dir():
         files = series(source)

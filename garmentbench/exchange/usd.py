@@ -84,10 +84,11 @@ def _mesh(path: Path, stage: "Usd.Stage", mesh: "UsdGeom.Mesh") -> MeshSequence:
     per_second = stage.GetTimeCodesPerSecond()
     if not 0 < per_second < 1e6:
         raise refusal(path, f"timeCodesPerSecond is {per_second:g}, wanted above 0", _AGAIN)
-    counts, indices = _constant(path, mesh.GetFaceVertexCountsAttr(), codes), _constant(path, mesh.GetFaceVertexIndicesAttr(), codes)
+    counts = _constant(path, mesh.GetFaceVertexCountsAttr(), codes)
+    indices = _constant(path, mesh.GetFaceVertexIndicesAttr(), codes)
     polygons = PolygonFrames(
-        path, prim.GetName(), counts, indices,
-        len(codes), lambda t: _world(mesh, codes[t], mesh.GetPointsAttr().Get(codes[t])), _corner_uv(mesh, codes[0], indices),
+        path, prim.GetName(), counts, indices, len(codes),
+        lambda t: _world(mesh, codes[t], mesh.GetPointsAttr().Get(codes[t])), _corner_uv(mesh, codes[0], indices),
         mesh.GetOrientationAttr().Get() == UsdGeom.Tokens.leftHanded, _rest(mesh, codes[0]))
     return from_polygons(
         polygons,

@@ -36,7 +36,7 @@ def vertex_uv(mesh: MeshSequence, make_uv: bool = False) -> VertexUV:
     if make_uv:
         return _made(mesh)
     uv = mesh.corner_uv
-    where = mesh.files[-1] if mesh.files else mesh.name
+    where = mesh.files[-1] if mesh.files else mesh.name  # of a cache and its template, the template
     if uv is None or np.ptp(uv.reshape(-1, 2), axis=0).min() == 0:
         found = "has no UV map" if uv is None else "has a UV map without area"
         raise refusal(where, f"{found}, which the methods need", "unwrap the garment and export UV, or give --make-uv")
@@ -88,7 +88,7 @@ def _into_unit_square(where: object, uv: np.ndarray) -> tuple[np.ndarray, tuple[
 def _made(mesh: MeshSequence) -> VertexUV:
     still = np.asarray(mesh.still, np.float32)
     if not np.isfinite(still).all():
-        raise refusal(mesh.files[0] if mesh.files else mesh.name, "has rest positions that are not finite", "export it again")
+        raise refusal(mesh.where, "has rest positions that are not finite", "export it again")
     made = unwrap(still, mesh.faces)
     used = np.unique(made.faces)
     copies = len(made.source) - len(still)
