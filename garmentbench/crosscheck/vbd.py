@@ -125,7 +125,9 @@ class _World:
         self.pins = np.flatnonzero(fabric.pinned)
         with wp.ScopedDevice("cpu"):
             self.model, self.meshes = _model(fabric, faces, obstacle, material, settings, vbd)
-            self.solver = newton.solvers.SolverVBD(self.model, iterations=vbd.iterations)
+            near = {"particle_self_contact_margin": material.thickness, "particle_self_contact_gap": material.thickness}
+            touches = {"particle_enable_self_contact": True, **near} if settings.self_contact else {}
+            self.solver = newton.solvers.SolverVBD(self.model, iterations=vbd.iterations, **touches)
             self.control = self.model.control()
             self.state, self.next = self.model.state(), self.model.state()
             for state in (self.state, self.next):

@@ -6,7 +6,7 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
-from garmentbench.report.convergence import CHOSEN, PART_OF_ERROR, SUBSTEPS, Study
+from garmentbench.report.convergence import CHOSEN, PART_OF_ERROR, ROUNDING, SUBSTEPS, Study
 from garmentbench.report.plots import STYLE, logarithmic, svg
 
 if TYPE_CHECKING:
@@ -17,6 +17,7 @@ LEVELS = {  # horizontal lines: variant -> name, colour, line style
     "start_1mm": ("start pushed by 1 mm", "#009e73", "--"),
     "start_1cm": ("start pushed by 1 cm", "#009e73", ":"),
     "mesh_fine": ("finer mesh", "#cc79a7", "-."),
+    ROUNDING: ("start pushed by a micrometre: rounding", "#8c8c8c", ":"),
 }
 BOUND = "#d55e00"
 WIDTH, HEIGHT = 10.5, 2.9  # of a row [inches]
