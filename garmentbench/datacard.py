@@ -13,6 +13,7 @@ from garmentbench.sequence import Sequence
 from garmentbench.sequence_layout import KIND, REMAKE, SCHEMA
 
 YES_NO = "yes or no"
+INSIDE = "interpenetration"  # key of a sequence's info
 
 
 @dataclass(frozen=True)
@@ -90,9 +91,9 @@ FACTS = (
     Fact("perturbed_cm", UNCERTAINTY, "start pushed by 1 mm", "cm", _noted("uncertainty", "perturbed_cm")),
     Fact("uncertainty_frames", UNCERTAINTY, "frames compared", "", _noted("uncertainty", "frames")),
     Fact("has_inside", PENETRATION, "there is a body to be inside of", YES_NO, lambda s: s.template.needs.interpenetration),
-    Fact("vertex_percent", PENETRATION, "behind the nearest body vertex's plane", "%", _noted("interpenetration", "vertex_percent")),
-    Fact("strict_percent", PENETRATION, "strict, by signed distance", "%", _noted("interpenetration", "strict_percent")),
-    Fact("depth_p95_mm", PENETRATION, "depth of those, 95th percentile", "mm", _noted("interpenetration", "depth_p95_mm")),
+    Fact("vertex_percent", PENETRATION, "behind the nearest body vertex's plane", "%", _noted(INSIDE, "vertex_percent")),
+    Fact("strict_percent", PENETRATION, "strict, by signed distance", "%", _noted(INSIDE, "strict_percent")),
+    Fact("depth_p95_mm", PENETRATION, "depth of those, 95th percentile", "mm", _noted(INSIDE, "depth_p95_mm")),
     Fact("self_percent", SELF, "faces that cross another", "%", _noted("self_intersection", "percent")),
     Fact("self_most_faces", SELF, "most in one frame", "", _noted("self_intersection", "most_faces")),
     Fact("self_contact", SELF, "self-contact is simulated", YES_NO, _noted("simulation", "settings", "self_contact")),

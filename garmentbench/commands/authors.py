@@ -22,7 +22,7 @@ class ImportAuthors:
         garment: Name of the garment, as in uv_<garment>; not needed where there is one.
         split: train or test.
         fps: Frames a second, which no file of theirs says.
-        unit: m, cm, mm, or auto: the one in which their body is as tall as a person.
+        units: m, cm, mm, or auto: the one in which their body is as tall as a person.
         axes: Which of their axes are ours (left, back, up), e.g. x,-z,y; or auto: told by their body.
         frames: Read the first so many frames.
     """
@@ -33,7 +33,7 @@ class ImportAuthors:
     garment: str = ""
     split: Literal["train", "test"] = "train"
     fps: float = 30.0
-    unit: str = "auto"
+    units: str = "auto"
     axes: str = "auto"
     frames: int | None = None
 
@@ -48,7 +48,7 @@ class ImportAuthors:
         quiet_warp()
         release = open_release(self.folder, self.garment)
         sequence, told = read_release(
-            release, self.out.stem, self.case, self.split, self.fps, self.unit, self.axes, self.frames)
+            release, self.out.stem, self.case, self.split, self.fps, self.units, self.axes, self.frames)
         sequence = measured(sequence)
         sequence_file.save(sequence, self.out)
         percent = sequence.info["interpenetration"]["strict_percent"]

@@ -8,7 +8,9 @@ import numpy as np
 
 from garmentbench.errors import UserError
 from garmentbench.exchange.authors_axes import Placement, placement
-from garmentbench.exchange.authors_files import SurfaceSamples, read_arrays, read_groups, read_mesh, read_points, read_samples
+from garmentbench.exchange.authors_files import (
+    AGAIN, SurfaceSamples, read_arrays, read_groups, read_mesh, read_points, read_samples,
+)
 from garmentbench.exchange.authors_release import Release
 from garmentbench.geometry.nearest import nearest_vertices
 from garmentbench.progress import track
@@ -57,8 +59,9 @@ def read_release(
         f"garment: {garment.name}, {len(garment.rest)} vertices, {len(garment.seams)} seam pairs",
         f"body: {len(rest)} vertices; their parts are those of the nearest of {len(seeds.labels)} seeds",
     ]
-    imported = {"from": f"the authors' release, {release.folder.name}/{case}".rstrip("/"), "units": place.unit, "said": told}
-    info = {"scene": scene, "split": split, "motion": Path(case).name or release.folder.name, "imported": imported}
+    origin = f"the authors' release, {release.folder.resolve().name}/{case}".rstrip("/")
+    imported = {"from": origin, "units": place.unit, "said": told}
+    info = {"scene": scene, "split": split, "motion": Path(case).name or release.folder.resolve().name, "imported": imported}
     return Sequence(Template(garment, body, fps), clothes, bodies, info), told
 
 
@@ -105,17 +108,19 @@ def _read_frames(
     uneven, before = [], None
     with track(len(files), "reading frames") as step:
         for t, (number, (garment, body)) in enumerate(files.items()):
-            position, _, velocity = read_arrays(garment, 3)
-            obstacle = read_points(body)
-            for path, array, wanted in ((garment, position, vertices), (garment, velocity, vertices), (body, obstacle, body_vertices)):
-                if array.shape != (wanted, 3):
-                    raise UserError(f"{path}: an array of shape {array.shape}, wanted ({wanted}, 3) as in the template")
-            clothes[t], bodies[t] = place(position), place(obstacle)
+            position, _, velocity = (_of_shape(garment, array, vertices) for array in read_arrays(garment, 3))
+            clothes[t], bodies[t] = place(position), place(_of_shape(body, read_points(body), body_vertices))
             if t and np.abs(place(position - before) - place(velocity)).max() > UNEVEN:
                 uneven.append(number)
             before = position
             step()
     if uneven:
-        warnings.warn(f"{len(uneven)} frames, the first {uneven[0]}, have moved otherwise since the frame before than their velocity "
-                      "says: are frames missing?", stacklevel=2)
+        first = f"{len(uneven)} frames, the first {uneven[0]}, have moved otherwise since the frame before than their velocity says"
+        warnings.warn(f"{first}: are frames missing?", stacklevel=2)
     return clothes, bodies
+
+
+def _of_shape(path: Path, array: np.ndarray, count: int) -> np.ndarray:
+    if array.shape != (count, 3):
+        raise UserError(f"{path}: an array of shape {array.shape}, wanted ({count}, 3) as in the template; {AGAIN}")
+    return array

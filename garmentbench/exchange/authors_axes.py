@@ -54,7 +54,7 @@ def placement(body: np.ndarray, unit: str = "auto", axes: str = "auto") -> Place
         UserError: The body does not tell; name the option then.
     """
     if unit != "auto" and unit not in UNITS:
-        raise UsageError(f"unit is '{unit}'; wanted one of auto, {', '.join(UNITS)}")
+        raise UsageError(f"units is '{unit}'; wanted one of auto, {', '.join(UNITS)}")
     turn = _turn_of_body(body) if axes == "auto" else _turn_of_text(axes)
     if unit == "auto":
         unit = _unit_of_height(float(np.ptp(body @ turn[2])))
@@ -94,4 +94,5 @@ def _unit_of_height(height: float) -> str:
     for unit, metres in UNITS.items():
         if SHORTEST <= metres * height <= TALLEST:
             return unit
-    raise UserError(f"uv_body/body_geo.obj: the body is {height:.4g} tall, in no known unit; give --unit, one of {', '.join(UNITS)}")
+    known = ", ".join(UNITS)
+    raise UserError(f"uv_body/body_geo.obj: the body is {height:.4g} tall, in no known unit; give --units, one of {known}")

@@ -64,7 +64,7 @@ def open_release(folder: Path, garment: str = "") -> Release:
     """The release in a folder. Raises `UserError` unless it has a body and the garment, or exactly one garment."""
     found = sorted(p.name.removeprefix("uv_") for p in folder.glob("uv_*") if p.is_dir() and p.name != BODY)
     if not (folder / BODY).is_dir() or not found:
-        raise UserError(f"{folder}: wanted the folders {BODY} and uv_<garment>; give the folder of the authors' data that holds them")
+        raise UserError(f"{folder}: wanted the folders {BODY} and uv_<garment>; give the folder of the authors' data with them")
     if garment and garment not in found or not garment and len(found) > 1:
         raise UserError(f"{folder}: holds the garments {', '.join(found)}; choose one of them with --garment")
     return Release(folder, garment or found[0])

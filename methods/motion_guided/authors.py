@@ -43,7 +43,8 @@ def load_static(model: GenerativeModel, static: dict, path: Path, labels: Tensor
     problems = [p for block in names for p in _fill(model, static[block], names[block], block, turn.to(model.rest))]
     radii = static["skinRadius"]
     if radii.ndim != 1 or len(radii) <= labels.max() or not radii.abs().min() > 0:
-        problems.append(f"skinRadius of shape {tuple(radii.shape)}, wanted a radius above 0 for each of the labels 0 to {int(labels.max())}")
+        wanted = f"wanted a radius above 0 for each of the labels 0 to {int(labels.max())}"
+        problems.append(f"skinRadius of shape {tuple(radii.shape)}, {wanted}")
     _refuse(path, problems)
     with torch.no_grad():
         model.log_radii.copy_(radii[labels].to(model.log_radii).abs().log())
@@ -129,4 +130,5 @@ def _turned(weight: Tensor, name: str, block: str, turn: Tensor) -> Tensor:
 
 def _refuse(path: Path, problems: list[str]) -> None:
     if problems:
-        raise UserError(f"{path}: {'; '.join(problems)}: not the authors' networks of these sizes; use the checkpoint that belongs to this data")
+        do = "use the checkpoint that belongs to this data"
+        raise UserError(f"{path}: {'; '.join(problems)}: not the authors' networks of these sizes; {do}")

@@ -28,7 +28,8 @@ def read_checkpoint(path: Path, parts: tuple[str, ...]) -> dict:
         found = torch.load(path, map_location="cpu", weights_only=True)
     except _DAMAGED as e:
         why = str(e).strip().splitlines()[0][:120] if str(e).strip() else type(e).__name__
-        raise UserError(f"{path}: no checkpoint that can be read as data only ({why}); copy it from the authors' release again") from e
+        do = "copy it from the authors' release again"
+        raise UserError(f"{path}: no checkpoint that can be read as data only ({why}); {do}") from e
     wrong = [part for part in parts if not isinstance(found, dict) or not _is_part(part, found.get(part))]
     if wrong:
         holds = ", ".join(map(str, found)) if isinstance(found, dict) else type(found).__name__

@@ -68,8 +68,9 @@ def read_canonical(release: Release, place: Placement, body: np.ndarray, faces: 
     chart = read_chart(release.cloth("garment_uvMap_*.txt"), count)
     pixels, weights = read_sampling(release.cloth("garment_*_vertPixel.txt"), count, 2 * size)
     if chart.size != size or any(len(vectors) != count for vectors in axes):
-        raise UserError(f"{release.cloth('garment_uvMap_*.txt').parent}: maps of {chart.size} pixels and {len(axes[0])} tangents; the "
-                        f"checkpoint's networks take maps of {size} pixels, the garment has {count} vertices")
+        where, found = release.folder / f"uv_{release.garment}", f"maps of {chart.size} pixels and {len(axes[0])} tangents"
+        raise UserError(f"{where}: {found}; the checkpoint's networks take maps of {size} pixels, the garment has {count} "
+                        "vertices; use files that belong to each other")
     frames = np.stack([place.directions(vectors) for vectors in axes], axis=-1)
     tables = UVTables(chart, pixels, weights, frames)
     return Canonical(garment.rest, garment.faces, garment.uv, garment.seams, seeds, len(body), tables)
@@ -106,7 +107,7 @@ def _seed_difference(release: Release, place: Placement, seeds: SurfaceSeeds) ->
     degrees = [np.degrees(_angle(a)) for a in (np.einsum("nx,nx->n", our_normals, place.directions(normals)),
                                                (np.einsum("nxy,nxy->n", turns, theirs) - 1) / 2)]
     return (f"seeds of frame {number} against the stored ones: positions within {1000 * metres:.2f} mm, normals within "
-            f"{degrees[0]:.1f} and rotations within {degrees[1]:.1f} degrees (stored normals are the files', ours the faces' mean)")
+            f"{degrees[0]:.1f} and rotations within {degrees[1]:.1f} degrees (theirs are the files' normals, ours the faces' mean)")
 
 
 def _angle(cosines: np.ndarray) -> float:

@@ -12,7 +12,7 @@ from garmentbench.bodies import load_body
 from garmentbench.errors import UsageError, UserError
 from garmentbench.exchange.authors import read_release
 from garmentbench.exchange.authors_axes import placement
-from garmentbench.exchange.authors_files import read_arrays, read_chart, read_groups, read_mesh, read_samples, read_sampling
+from garmentbench.exchange.authors_files import read_arrays, read_chart, read_groups, read_mesh, read_samples, read_sampling, read_vectors
 from garmentbench.exchange.authors_release import open_release
 from garmentbench.garments import load_garment
 
@@ -85,12 +85,12 @@ def test_axes_are_told_by_the_body(name, axes):
 
 def test_axes_and_units_that_are_none(written):
     for unit, axes, complaint in (("auto", "x,y", "no rotation"), ("auto", "x,z,y", "no rotation"), ("auto", "a,b,c", "wanted three"),
-                                  ("inch", "auto", "unit is 'inch'")):
+                                  ("inch", "auto", "units is 'inch'")):
         with pytest.raises(UsageError, match=complaint):
             placement(written.body_rest, unit, axes)
     with pytest.raises(UserError, match="can't tell which way"):
         placement(np.random.default_rng(0).random((100, 3)))
-    with pytest.raises(UserError, match="in no known unit; give --unit"):
+    with pytest.raises(UserError, match="in no known unit; give --units"):
         placement(7 * written.body_rest)
 
 
@@ -156,10 +156,11 @@ def test_arrays_of_either_byte_order_and_layout(tmp_path):
 
 
 READERS = {
-    "uv_body/body_geo.obj": lambda p: read_mesh(p),
+    "uv_body/body_geo.obj": read_mesh,
     "uv_body/body_t_12_sample.txt": lambda p: read_samples(p, 10_000),
     "uv_tshirt/garment_uvMap_8.txt": lambda p: read_chart(p, VERTICES),
     "uv_tshirt/garment_16_vertPixel.txt": lambda p: read_sampling(p, VERTICES, 16),
+    "uv_tshirt/garment_canc_normals.txt": read_vectors,
     "uv_tshirt/ind_B2O_10.txt": lambda p: read_groups(p, VERTICES),
     "TShirt_pnva/000002.npy": lambda p: read_arrays(p, 4),
 }
