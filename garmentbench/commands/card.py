@@ -24,7 +24,9 @@ class Card:
         from garmentbench.atomic import write_text
         from garmentbench.datacard import read_card
         from garmentbench.datacard_text import markdown
+        from garmentbench.device import quiet_warp
 
+        quiet_warp()
         text = markdown(read_card(self.file))
         if self.out is None:
             print(text, end="")
