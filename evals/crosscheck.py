@@ -16,8 +16,9 @@ from evals.jobs import Failure, Job
 from evals.rows import about, failed_row
 from evals.study import Study
 from garmentbench.atomic import written_whole
+from garmentbench.crosscheck.model import VbdSettings
 from garmentbench.crosscheck.strips import match
-from garmentbench.crosscheck.vbd import VbdSettings, drive_vbd, require_newton
+from garmentbench.crosscheck.vbd import drive_vbd, require_newton
 from garmentbench.fingerprint import fingerprint
 from garmentbench.geometry.mesh import edge_lengths, unique_edges
 from garmentbench.making import sequence_identity

@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from garmentbench.crosscheck.vbd import VbdSettings, drive_vbd
+from garmentbench.crosscheck.model import VbdSettings
+from garmentbench.crosscheck.vbd import drive_vbd
 from garmentbench.sequence import Garment
 from garmentbench.simulation.material import Material, Settings
 

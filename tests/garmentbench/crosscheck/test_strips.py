@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
+from garmentbench.crosscheck.model import VbdSettings
 from garmentbench.crosscheck.strips import CLOSE, cantilever, fitted, hanging, reference_fall
-from garmentbench.crosscheck.vbd import VbdSettings
 from garmentbench.simulation.material import Material, Settings
 
 GRAVITY = 9.81

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from garmentbench.crosscheck import vbd
+from garmentbench.crosscheck.model import VbdSettings, hinge_stiffness
 from garmentbench.crosscheck.strips import equilateral
-from garmentbench.crosscheck.vbd import VbdSettings, _hinge_stiffness, drive_vbd
+from garmentbench.crosscheck.vbd import drive_vbd
 from garmentbench.errors import UserError
 from garmentbench.sequence import OBJECT, Body
 from garmentbench.simulation.assembly import assemble
@@ -49,7 +50,7 @@ def test_a_hinge_is_as_stiff_as_the_reference_s():
     x0, x1, x2, x3 = fabric.stencils.T
     newton_s = np.stack([x2, x3, x0, x1], axis=1)
     border = np.array([[-1, x2[0], 0, 1]])
-    found = _hinge_stiffness(fabric, np.concatenate([newton_s[::-1], border]))
+    found = hinge_stiffness(fabric, np.concatenate([newton_s[::-1], border]))
     assert found[:-1] == pytest.approx(np.full(len(newton_s), 2 * material.bending / (np.sqrt(3) * edge)), rel=1e-3)
     assert found[-1] == 0
 
