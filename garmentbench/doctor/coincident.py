@@ -60,9 +60,7 @@ def gaps(mesh: Mesh, tolerance: float | None = None) -> Gaps:
 
 def _matching_sides(mesh: Mesh, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of border sides (3 * face + k) that lie on each other, exactly two at a place, shape (N,) each."""
-    edge = mesh.sides.edge.ravel()
-    border = np.flatnonzero((edge >= 0) & (mesh.sides.count[edge] == 1))
-    corner = mesh.corners.ravel()
+    border, corner = np.flatnonzero(mesh.sides.border), mesh.corners.ravel()
     ends = np.sort(np.stack([place[corner[border]], place[corner[_after(border)]]], axis=1), axis=1)
     border, ends = border[ends[:, 0] != ends[:, 1]], ends[ends[:, 0] != ends[:, 1]]
     _, index, count = np.unique(ends, axis=0, return_inverse=True, return_counts=True)

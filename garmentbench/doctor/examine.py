@@ -55,6 +55,7 @@ def summary(mesh: Mesh) -> str:
     ]
     if not flat.missing(mesh):
         parts.append(counted(len(np.unique(flat.charts(mesh))), "UV chart"))
-    if shape.unit(mesh.size) == ("m", 1.0):
-        parts.append(f"{substeps.cost(mesh).substeps} substeps a frame with the default material")
+    found = substeps.cost(mesh) if shape.unit(mesh.size) == ("m", 1.0) else None
+    if found is not None:
+        parts.append(f"{found.substeps} substeps a frame with the default material")
     return ", ".join(parts)

@@ -77,7 +77,16 @@ class Mesh:
         used = np.unique(self.faces)
         number = np.full(len(self.vertices), -1)
         number[used] = np.arange(len(used))
-        seams, pins = number[self.seams], number[self.pins]
+        whole = (number[self.seams] >= 0).all(axis=1)
+        seams = np.concatenate([self.seams[whole], self._rejoined(used, self.point[self.seams[~whole]])])
+        pins = number[self.pins]
         return replace(
             self, vertices=self.vertices[used], faces=number[self.faces], uv=None if self.uv is None else self.uv[used],
-            numbers=self.numbers[used], seams=seams[(seams >= 0).all(axis=1)], pins=pins[pins >= 0])
+            numbers=self.numbers[used], seams=number[seams], pins=pins[pins >= 0])
+
+    def _rejoined(self, used: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """Seam pairs between the used vertices of some points, which a vertex that goes may have joined."""
+        members = used[np.isin(self.point[used], points)]
+        _, first, place = np.unique(self.point[members], return_index=True, return_inverse=True)
+        pairs = np.stack([members[first][place.ravel()], members], axis=1)
+        return pairs[pairs[:, 0] != pairs[:, 1]]

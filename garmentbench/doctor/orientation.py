@@ -48,15 +48,14 @@ def _volumes(mesh: Mesh, corners: np.ndarray, way: Winding) -> np.ndarray:
     volume = np.bincount(way.patch, np.einsum("fx,fx->f", a, np.cross(b, c)), count)
     edges, loop = borders(mesh.sides, len(mesh.vertex))
     if len(edges):
-        side = mesh.sides.edge.ravel()
-        at = np.flatnonzero((side >= 0) & (mesh.sides.count[side] == 1))
-        at = at[np.argsort(side[at])]  # the side that lies on each border edge
+        at = np.flatnonzero(mesh.sides.border)
+        at = at[np.argsort(mesh.sides.edge.ravel()[at])]  # the side that lies on each border edge
         patch = way.patch[at // 3]
         _, loop = np.unique(loop * count + patch, return_inverse=True)  # two patches may touch at a point of the border
         loop = loop.ravel()
         forward = mesh.sides.forward.ravel()[at] ^ way.turned[at // 3]
         start, end = np.where(forward[:, None], edges, edges[:, ::-1]).T
-        hub = _means(mesh.points[start], loop, loop.max() + 1)[loop] - middle[patch]
+        hub = _means(mesh.points[edges].mean(axis=1), loop, loop.max() + 1)[loop] - middle[patch]
         p, q = mesh.points[start] - middle[patch], mesh.points[end] - middle[patch]
         volume += np.bincount(patch, np.einsum("bx,bx->b", q, np.cross(p, hub)), count)
     return volume / 6

@@ -8,7 +8,7 @@ import numpy as np
 DEPTH = 1e-6  # of the plane figure's extent: triangles that overlap less deep than this only touch
 _CHUNK = 1_000_000  # candidate pairs at a time
 _MOST_CANDIDATES = 60_000_000
-_MOST_PAIRS = 200_000
+_MOST_PAIRS = 100_000
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ def overlaps(triangles: np.ndarray) -> Overlap:
     """All pairs of triangles that overlap. Neighbours that share an edge or a corner do so only where one is folded.
 
     Exact up to `DEPTH`; triangles without area overlap nothing. Ends early, saying so, after 60 million candidates or
-    200,000 overlapping pairs: a layout with every triangle on every other would ask for them all.
+    100,000 overlapping pairs: a layout with every triangle on every other would ask for them all.
 
     Args:
         triangles: Shape (N, 3, 2), finite, either way round.

@@ -23,12 +23,12 @@ def depths(points: np.ndarray, wearer: Wearer) -> np.ndarray:
 
 def penetration(mesh: Mesh, wearer: Wearer) -> list[Finding]:
     """How many of a garment's vertices [m] are inside the body, how deep, and where."""
-    depth = depths(mesh.vertices, wearer)
-    inside = np.flatnonzero(depth > 0)
+    used, depth = np.unique(mesh.faces), depths(mesh.vertices, wearer)
+    inside = used[depth[used] > 0]
     inside = inside[np.argsort(-depth[inside], kind="stable")]
     if not len(inside):
         return []
-    percent, deepest = 100 * len(inside) / len(depth), depth[inside[0]]
+    percent, deepest = 100 * len(inside) / len(used), depth[inside[0]]
     worst = ", ".join(f"vertex {mesh.numbers[i]} at ({', '.join(f'{x:.3f}' for x in mesh.vertices[i])})" for i in inside[:_WORST])
     what = (f"{counted(len(inside), 'vertex', 'vertices')} ({percent:.1f} %) inside '{wearer.body.name}', {1e3 * deepest:.1f} mm deep"
             f"{_parts(mesh.vertices[inside], wearer)}, worst {worst}")

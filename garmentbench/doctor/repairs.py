@@ -64,8 +64,7 @@ def drop_flat(mesh: Mesh) -> Done:
 
 def _on_border(mesh: Mesh) -> np.ndarray:
     """Faces that can go without a slit: two or three sides on a border, or the longest and the corner opposite inside."""
-    corners = mesh.points[mesh.corners]
-    open_ = (mesh.sides.edge >= 0) & (mesh.sides.count[mesh.sides.edge] == 1)
+    corners, open_ = mesh.points[mesh.corners], mesh.sides.border
     longest = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2).argmax(axis=1)
     rows = np.arange(len(longest))
     on_border = np.zeros(len(mesh.points), bool)

@@ -32,9 +32,12 @@ class Cost:
     vertex: int
 
 
-def cost(mesh: Mesh) -> Cost:
-    """What a garment [m] costs; faces without area and what no face uses are left out."""
-    solid = replace(mesh, faces=mesh.faces[~without_area(mesh)], numbers=np.arange(len(mesh.vertices))).compact()
+def cost(mesh: Mesh) -> Cost | None:
+    """What a garment [m] costs; faces without area and what no face uses are left out. None where nothing is left."""
+    together = replace(mesh, vertices=mesh.points[mesh.point], numbers=np.arange(len(mesh.vertices)))  # seams closed
+    solid = replace(together, faces=mesh.faces[~without_area(together)]).compact()
+    if not len(solid.faces):
+        return None
     uv = np.zeros((len(solid.vertices), 2), np.float32)
     material, settings = Material(), Settings()
     fabric = assemble(Garment(mesh.name, solid.vertices, solid.faces, uv, solid.seams, solid.pins), material, settings)

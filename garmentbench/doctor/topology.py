@@ -19,6 +19,7 @@ class Sides:
         edge: Edge of each side, shape (F, 3); -1 for the sides of a face that names a point twice.
         forward: Does the side run from the lower point to the higher? Shape (F, 3).
         count: Number of faces at each edge, shape (E,).
+        border: Is the side on an edge of one face? Shape (F, 3).
         joined: Pairs of sides, as 3 * face + k, that share an edge of exactly two faces, shape (J, 2).
     """
 
@@ -26,6 +27,7 @@ class Sides:
     edge: np.ndarray
     forward: np.ndarray
     count: np.ndarray
+    border: np.ndarray
     joined: np.ndarray
 
 
@@ -35,12 +37,12 @@ def sides(corners: np.ndarray) -> Sides:
     whole = np.repeat(~repeats_a_corner(corners)[:, None], 3, axis=1)
     pairs = np.sort(np.stack([start[whole], end[whole]], axis=1), axis=1)
     edges, index, count = np.unique(pairs, axis=0, return_inverse=True, return_counts=True)
-    edge = np.full(corners.shape, -1)
-    edge[whole] = index.ravel()
+    edge, border = np.full(corners.shape, -1), np.zeros(corners.shape, bool)
+    edge[whole], border[whole] = index.ravel(), count[index.ravel()] == 1
     order = np.flatnonzero(whole.ravel())[np.argsort(index.ravel(), kind="stable")]
     first = (np.cumsum(count) - count)[count == 2]
     joined = np.stack([order[first], order[first + 1]], axis=1)
-    return Sides(edges, edge, start < end, count, joined)
+    return Sides(edges, edge, start < end, count, border, joined)
 
 
 def repeats_a_corner(corners: np.ndarray) -> np.ndarray:

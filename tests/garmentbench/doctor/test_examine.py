@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from meshes import COLUMNS, at, ball, moved, more, parted, tube, with_uv
+from faulty_meshes import COLUMNS, at, ball, moved, more, parted, tube, with_uv
 
 from garmentbench.doctor.examine import examine, examine_template, summary
 from garmentbench.doctor.mesh import Mesh
@@ -191,6 +191,7 @@ def test_penetration_says_how_many_how_deep_and_where():
     assert f"vertex {at(20, 0)} at (0.100, 0.000, 0.100)" in line
     depth = float(line.split(" mm deep")[0].rsplit(" ", 1)[1])
     assert depth == pytest.approx(44, abs=1)
+    assert told(more(CLEAN, [[0, 0, 0]], [], [[0, 0]]), ball())[1:] == []  # what no face uses is told of, but not as inside
     shallow = told(moved(CLEAN, at(20, 7), 0.94 * CLEAN.vertices[at(20, 7)]), ball())
     assert len(shallow) == 1 and shallow[0].startswith("warning: body: 1 vertex (0.1 %)") and "push them out" in shallow[0]
 

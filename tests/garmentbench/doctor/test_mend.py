@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from meshes import COLUMNS, at, ball, moved, more, parted, tube, with_uv
+from faulty_meshes import COLUMNS, at, ball, moved, more, parted, tube, with_uv
 
 from garmentbench.doctor.examine import examine
 from garmentbench.doctor.mend import mend

@@ -5,7 +5,7 @@ import warnings
 import numpy as np
 import pytest
 import trimesh
-from meshes import ball, tube
+from faulty_meshes import ball, tube
 
 from garmentbench.doctor.examine import examine
 from garmentbench.doctor.reading import mesh_of, read_mesh, read_wearer
