@@ -10,7 +10,6 @@ nothing but the discretisation differs. Garments baked at another size would hav
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,12 +21,8 @@ from garmentbench.metrics import METRICS
 from garmentbench.metrics.difference import difference, difference_p95
 from garmentbench.presets import Preset
 from garmentbench.report.convergence import CHOSEN, CONVERGENCE, FINEST, ROUNDING
-from garmentbench.rollout import DIVERGED, OK
 from garmentbench.runs import RunStore, run_id
 from garmentbench.scene import Scene, load_scene
-
-if TYPE_CHECKING:
-    from garmentbench.simulation.outfit import Outfit
 
 FRAMES = 90
 SCENES = (
@@ -85,12 +80,13 @@ def simulate_variant(scene_name: str, preset: Preset, variant: Variant) -> str:
     results are substeps, ms_per_frame, status and first_bad_frame.
     """
     from garmentbench.device import has_cuda, quiet_warp
+    from garmentbench.simulation.again import simulate_again
 
     with RunStore().open(CONVERGENCE, _identity(scene_name, preset, variant)) as run:
         if not run.finished:
             quiet_warp()
             scene = _scene(scene_name, variant)
-            positions, told = _simulate(scene, preset, variant.refined, "cuda:0" if has_cuda() else "cpu")
+            positions, told = simulate_again(scene, preset, variant.refined, "cuda:0" if has_cuda() else "cpu")
             with written_whole(run.folder / POSITIONS) as partial, partial.open("wb") as file:
                 np.save(file, positions)
             run.finish(told)
@@ -108,7 +104,7 @@ def _identity(scene_name: str, preset: Preset, variant: Variant) -> dict:
         "preset": preset.name,
         "variant": variant,
         "reference": sequence_identity(scene, preset),
-        "code": fingerprint("garmentbench.geometry.subdivide") if variant.refined else None,
+        "code": fingerprint("garmentbench.simulation.again"),
         "device": device_name(),
     }
 
@@ -122,39 +118,6 @@ def _scene(name: str, variant: Variant) -> Scene:
         "start_noise": variant.start_noise + own.get("start_noise", 0.0),
     }
     return replace(scene, frames=min(FRAMES, scene.frames), simulation=own | changed)
-
-
-def _simulate(scene: Scene, preset: Preset, refined: bool, device: str) -> tuple[np.ndarray, dict]:
-    """Positions after the warm-up, and results; of two layers the outer one's. refined: it is on the finer mesh."""
-    from garmentbench.progress import track
-    from garmentbench.simulation.drive import STRAIN_LIMIT
-    from garmentbench.simulation.outfit import Outfit
-
-    outfit = Outfit.of(scene, preset)
-    vertices, warm_up = len(outfit.layers[-1].garment.rest), outfit.animation.warm_up
-    outfit = _with_finer_mesh(outfit, scene) if refined else outfit
-    steps = len(outfit.layers) * (warm_up + outfit.frames - 1)
-    with track(steps, f"simulate {scene.name}{' on a finer mesh' if refined else ''}") as step:
-        worn = outfit.simulate(outfit.frames, device, step=step)
-    outer = worn[-1].run
-    good = outer.strain[warm_up:, 1] <= STRAIN_LIMIT  # not in the warm-up: a push may strain the cloth more than it may be
-    told = {
-        "substeps": outer.substeps,
-        "ms_per_frame": sum(w.run.ms_per_frame for w in worn),
-        "status": OK if good.all() else DIVERGED,
-        "first_bad_frame": None if good.all() else int(np.argmin(good)),
-    }
-    return outer.positions[warm_up : worn[-1].finite, :vertices].astype(np.float32), told
-
-
-def _with_finer_mesh(outfit: "Outfit", scene: Scene) -> "Outfit":
-    """The outfit, its outer garment with every triangle cut in four."""
-    from garmentbench.geometry.subdivide import subdivided
-    from garmentbench.motion.placing import place
-
-    *beneath, outer = outfit.layers
-    fine = subdivided(outer.garment)
-    return replace(outfit, layers=(*beneath, replace(outer, garment=fine, start=place(fine.rest, scene.motion))))
 
 
 def _jobs(preset: Preset) -> dict[tuple, Job]:

@@ -121,7 +121,8 @@ def convergence_table(found: list[Study]) -> Table:
         "Convergence of the reference",
         "How far the simulated garment moves when nothing that should matter is changed, over the scene's first frames "
         "after the whole warm-up. Finer steps are compared with the finest; other starts and the finer mesh (every "
-        "triangle cut in four, compared at the vertices that both have) with the chosen setting, which is bold.",
+        "triangle cut in four, compared at the vertices that both have) with the chosen setting, which is bold. Time is the "
+        "processor's, of one thread; on a CUDA device it is wall time.",
         ["scene", "run", "substeps a frame", "difference [cm]", "95th percentile [cm]", "time a frame [ms]", "status"],
         rows,
         frozenset({0, 1, 6}),
