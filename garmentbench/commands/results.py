@@ -13,9 +13,11 @@ class Evals:
     """Compute experiments (all, if none is named) and write reports/<preset>. What is finished is reused.
 
     Example: garmentbench evals baselines --preset smoke --seeds 3
+    Example: garmentbench evals convergence
 
     Attributes:
-        experiments: Names of experiments.
+        experiments: Names of experiments, or of studies of the reference, which run only when they are named: convergence,
+            crosscheck.
         preset: Size: smoke, laptop or paper.
         seeds: Trainings of each method that has chance in it.
         data_only: Only simulate the scenes.
