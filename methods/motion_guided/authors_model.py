@@ -1,6 +1,5 @@
 """A trained method from the authors' release: their two checkpoints, their tables, their seed points, their options."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
