@@ -8,15 +8,24 @@ from scipy.sparse.linalg import factorized, spsolve
 MARGIN = 0.03  # of the UV square, round each chart
 
 
-def border_loop(faces: np.ndarray) -> np.ndarray:
-    """The border of a disk, in the faces' direction, shape (B,)."""
+def border_loops(faces: np.ndarray) -> list[np.ndarray]:
+    """All borders of a surface, each in the faces' direction, from its smallest vertex on."""
     directed = set(map(tuple, faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2).tolist()))
     following = {a: b for a, b in directed if (b, a) not in directed}
-    loop = [min(following)]
-    while following[loop[-1]] != loop[0]:
-        loop.append(following[loop[-1]])
-    assert len(loop) == len(following), "a panel must have one border"
-    return np.array(loop)
+    loops = []
+    while following:
+        loop = [min(following)]
+        while (after := following.pop(loop[-1])) != loop[0]:
+            loop.append(after)
+        loops.append(np.array(loop))
+    return loops
+
+
+def border_loop(faces: np.ndarray) -> np.ndarray:
+    """The border of a disk, in the faces' direction, shape (B,)."""
+    loops = border_loops(faces)
+    assert len(loops) == 1, "a panel must have one border"
+    return loops[0]
 
 
 def disk_map(points: np.ndarray, faces: np.ndarray, border: np.ndarray) -> np.ndarray:
@@ -46,9 +55,10 @@ def flatten(points: np.ndarray, faces: np.ndarray, rounds: int = 100) -> np.ndar
     wanted = local - np.roll(local, -1, axis=1)
     for _ in range(rounds):
         present = flat[i] - flat[j]
-        u, _, vt = np.linalg.svd(np.einsum("fe,fex,fey->fxy", cotangents, present, wanted))
-        u[:, :, 1] *= np.linalg.det(u @ vt)[:, None]  # rotations only, no mirror images
-        pull = cotangents[..., None] * np.einsum("fxy,fey->fex", u @ vt, wanted)
+        mixed = np.einsum("fe,fex,fey->xyf", cotangents, present, wanted)
+        cosine, sine = mixed[0, 0] + mixed[1, 1], mixed[1, 0] - mixed[0, 1]
+        rotations = np.array([[cosine, -sine], [sine, cosine]]) / np.hypot(cosine, sine)  # nearest to `mixed`, shape (2, 2, F)
+        pull = cotangents[..., None] * np.einsum("xyf,fey->fex", rotations, wanted)
         sums = np.zeros_like(flat)
         np.add.at(sums, i, pull)
         np.add.at(sums, j, -pull)

@@ -1,0 +1,117 @@
+"""A panel meshed in its flat pattern: rows of equilateral triangles, evened out, then laid on the surface again.
+
+Even triangles are what the simulator wants: its time step follows the smallest ones.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from charts import border_loop, flatten
+from matplotlib.path import Path
+from panels import even_rim
+from scipy.interpolate import LinearNDInterpolator
+from scipy.spatial import Delaunay, cKDTree
+from surface import clip
+
+ROUNDS = 60
+NEAREST_TO_RIM = 0.7  # edge lengths: a point of the lattice that would lie nearer is left out
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """One side of a seam as a fine surface and flat.
+
+    Attributes:
+        points: [m], shape (V, 3); flat: the same laid flat [m], shape (V, 2).
+        border: Vertices in the faces' direction, from the first corner on, shape (B,).
+        corners: Where in the border the seams end, shape (C,).
+    """
+
+    points: np.ndarray
+    flat: np.ndarray
+    border: np.ndarray
+    corners: np.ndarray
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A meshed pattern: points [m], shape (V, 3), the same laid flat [m], shape (V, 2), and faces; its rim comes first."""
+
+    points: np.ndarray
+    flat: np.ndarray
+    faces: np.ndarray
+    rim: int
+
+
+def pattern(points: np.ndarray, faces: np.ndarray, level: np.ndarray, spread: np.ndarray) -> Pattern:
+    """The part of a fine garment where `level`, shape (V,), is positive, laid flat. It must be a disk.
+
+    What is laid flat is the shape `spread`, shape (V, 3), of the same cloth: a panel with two legs would overlap itself
+    where they meet, unless they are spread.
+    """
+    table, faces, on_seam = clip(np.column_stack([points, spread]), faces, level)
+    points, spread = table[:, :3], table[:, 3:]
+    border = border_loop(faces)
+    seam = on_seam[border]
+    corners = np.flatnonzero(seam & ~(np.roll(seam, 1) & np.roll(seam, -1)))  # seam points next to the garment's border
+    return Pattern(points, flatten(spread, faces), np.roll(border, -corners[0]), corners - corners[0])
+
+
+def size(cloth: Pattern, edge: float) -> int:
+    """How many vertices `mesh` makes."""
+    return sum(map(len, starting_points(cloth, edge)[1:]))
+
+
+def mesh(cloth: Pattern, edge: float) -> Panel:
+    """A panel with edges of about that length [m]. Two panels that share a seam get the same points along it."""
+    rim, outline, inner = starting_points(cloth, edge)
+    inner = evened(outline, inner)
+    flat = np.concatenate([outline, inner])
+    # Delaunay's triangles of the fine points are near enough to their own faces, and don't mind one that folds over.
+    lifted = LinearNDInterpolator(cloth.flat, cloth.points)(inner)
+    return Panel(np.concatenate([rim, lifted]), flat, triangles(flat, len(outline)), len(rim))
+
+
+def starting_points(cloth: Pattern, edge: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The rim's points [m], shape (R, 3), the same on the flat pattern, shape (R, 2), and those of a triangular lattice
+    inside, shape (I, 2)."""
+    rim, angle = even_rim(cloth.points[cloth.border], cloth.corners, edge)
+    steps = np.linalg.norm(np.roll(cloth.points[cloth.border], -1, axis=0) - cloth.points[cloth.border], axis=1)
+    along = 2 * np.pi * np.concatenate([[0], np.cumsum(steps)]) / steps.sum()
+    closed = cloth.flat[np.append(cloth.border, cloth.border[0])]
+    outline = np.column_stack([np.interp(angle, along, axis) for axis in closed.T])
+    low, high = outline.min(axis=0), outline.max(axis=0)
+    x, y = np.meshgrid(np.arange(low[0] - edge, high[0], edge), np.arange(low[1], high[1], edge * np.sqrt(3) / 2))
+    x += edge / 2 * (np.arange(len(x)) % 2)[:, None]
+    inner = np.column_stack([x.ravel(), y.ravel()])
+    inner = inner[Path(outline).contains_points(inner)]
+    return rim, outline, inner[cKDTree(outline).query(inner)[0] > NEAREST_TO_RIM * edge]
+
+
+def evened(outline: np.ndarray, inner: np.ndarray) -> np.ndarray:
+    """Inner points, shape (I, 2), moved again and again to the centre of the triangles round them."""
+    for _ in range(ROUNDS):
+        plane = np.concatenate([outline, inner])
+        faces = triangles(plane, len(outline))
+        a, b, c = plane[faces].transpose(1, 2, 0)
+        area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+        moments = np.column_stack([area * (a + b + c)[0] / 3, area * (a + b + c)[1] / 3, area])
+        sums = np.zeros((len(plane), 3))
+        for corner in faces.T:
+            np.add.at(sums, corner, moments)
+        inner = (sums[:, :2] / sums[:, 2:])[len(outline) :]
+    return inner
+
+
+def triangles(plane: np.ndarray, rim: int) -> np.ndarray:
+    """Delaunay's triangles of points, shape (V, 2), within the outline that the first `rim` of them make; counterclockwise,
+    shape (F, 3)."""
+    faces = Delaunay(plane).simplices
+    across = (faces < rim).all(axis=1)  # only these can lie outside
+    inside = np.ones(len(faces), bool)
+    inside[across] = Path(plane[:rim]).contains_points(plane[faces[across]].mean(axis=1))
+    faces = faces[inside]
+    a, b, c = plane[faces].transpose(1, 2, 0)
+    clockwise = (b[0] - a[0]) * (c[1] - a[1]) < (b[1] - a[1]) * (c[0] - a[0])
+    faces[clockwise] = faces[clockwise][:, ::-1]
+    return faces
