@@ -4,6 +4,7 @@ Angles are in degrees and applied in the order of the channels (the first outerm
 the joint's offset, as in Blender; joints below the root have bones of constant length, so of theirs the median counts.
 """
 
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -13,10 +14,12 @@ from scipy.spatial.transform import Rotation
 from garmentbench.clips.recording import Recording
 from garmentbench.errors import UserError
 
-LARGEST = 400e6  # bytes of a file
+LARGEST = 80e6  # bytes of a file: some eight minutes, which take 2 GB of memory
 _REMAKE = "export the motion as BVH again"
 _CHANNELS = {f"{axis}{kind}" for axis in "XYZ" for kind in ("position", "rotation")}
 _FASTEST = 1000.0  # frames a second
+_HEAD = re.compile(r"\s*Frames:\s*(\S+)\s+Frame\s+Time:\s*(\S+)")
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 
 
 @dataclass
@@ -142,34 +145,37 @@ def _check(path: Path, joints: list[_Joint]) -> None:
 
 def _motion(path: Path, text: str, channels: int) -> tuple[np.ndarray, float]:
     """The numbers of all frames, shape (T, channels), and the frame rate."""
-    words = text.split()
-    if len(words) < 5 or words[0] != "Frames:" or words[2:4] != ["Frame", "Time:"]:
+    head = _HEAD.match(text)
+    if head is None:
         raise UserError(f"{path}: MOTION does not begin with 'Frames:' and 'Frame Time:'; {_REMAKE}")
-    frames, period = _number(path, words[1], "the number of frames"), _number(path, words[4], "the frame time")
+    frames, period = _number(path, head[1], "the number of frames"), _number(path, head[2], "the frame time")
     if frames < 1 or frames != int(frames):
-        raise UserError(f"{path}: {words[1][:40]} frames; wanted at least one; {_REMAKE}")
+        raise UserError(f"{path}: {head[1][:40]} frames; wanted at least one; {_REMAKE}")
     if period < 1 / _FASTEST or period > 10:
         raise UserError(f"{path}: frame time is {period:g} s; wanted {1 / _FASTEST:g} to 10 s; mend the line 'Frame Time:'")
-    numbers = words[5:]
-    if channels == 0 or len(numbers) != int(frames) * channels:
-        raise UserError(f"{path}: {len(numbers)} numbers where {int(frames)} frames of {channels} channels want "
+    values = _numbers(path, text[head.end() :], channels)
+    if channels == 0 or len(values) != int(frames) * channels:
+        raise UserError(f"{path}: {len(values)} numbers where {int(frames)} frames of {channels} channels want "
                         f"{int(frames) * channels}: cut off, or the hierarchy is another's; {_REMAKE}")
-    try:
-        values = np.array(list(map(float, numbers)))
-        bad = np.flatnonzero(~np.isfinite(values))
-    except ValueError:
-        bad = [i for i, word in enumerate(numbers) if not _is_number(word)]
-    if len(bad):
-        raise UserError(f"{path}: '{numbers[bad[0]][:40]}' in frame {bad[0] // channels}, where a number should be; {_REMAKE}")
     return values.reshape(int(frames), channels), 1 / period
 
 
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
+def _numbers(path: Path, text: str, channels: int) -> np.ndarray:
+    """All numbers of a text, line by line, so that never more than a line is there as words."""
+    rows, count = [np.zeros(0)], 0
+    for line in text.splitlines():
+        words = line.split()
+        try:
+            row = np.array([float(word) for word in words])
+        except ValueError:
+            row = np.array([float(word) if _NUMBER.fullmatch(word) else np.nan for word in words])
+        bad = np.flatnonzero(~np.isfinite(row))
+        if len(bad):
+            frame = (count + bad[0]) // max(channels, 1)
+            raise UserError(f"{path}: '{words[bad[0]][:40]}' in frame {frame}, where a number should be; {_REMAKE}")
+        rows.append(row)
+        count += len(row)
+    return np.concatenate(rows)
 
 
 def _recording(joints: list[_Joint], values: np.ndarray, fps: float) -> Recording:

@@ -36,8 +36,6 @@ def flat_feet(ankles: np.ndarray, toes: np.ndarray | None, fps: float) -> np.nda
 
 def _still(points: np.ndarray, fps: float, speed: float) -> np.ndarray:
     """Is a point slow, and near the height at which its slow moments are lowest? Shape (T, 2)."""
-    if len(points) < 2:
-        return points[..., 2] <= points[..., 2].min(axis=0) + _LOW
     slow = np.linalg.norm(np.gradient(points, 1 / fps, axis=0), axis=-1) < speed
     return slow & (points[..., 2] < standing_height(points, slow) + _LOW)
 

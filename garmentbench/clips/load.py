@@ -47,6 +47,8 @@ def load_clip(motion: Motion, baked: BakedBody, fps: float) -> Loaded:
     """
     path = Path(motion.file)
     found = _read(path, baked)
+    if (len(found) - 1) / found.fps * fps < 1 - 1e-6:
+        raise UserError(f"{path}: {len(found)} frames at {found.fps:.4g} a second; wanted two or more at {fps:g} a second")
     if isinstance(found, Clip):
         clip = _at_rate(found, fps)
         return Loaded(plant(turn_out(_part(clip, motion, path), motion.arm_space, baked), baked))
@@ -60,7 +62,7 @@ def load_clip(motion: Motion, baked: BakedBody, fps: float) -> Loaded:
 
 def _read(path: Path, baked: BakedBody) -> Recording | Clip:
     if not path.is_file():
-        raise UserError(f"{path}: no such file; wanted a motion (.bvh or .npz), its path relative to the scene's file")
+        raise UserError(f"{path}: no such file; wanted a motion (.bvh or .npz)")
     if path.suffix.lower() == ".bvh":
         return read_bvh(path)
     if path.suffix.lower() != ".npz":
@@ -80,6 +82,7 @@ def _part(clip: Clip, motion: Motion, path: Path) -> Clip:
     """The part of a clip from `start` to `stop`."""
     seconds = (len(clip) - 1) / clip.fps
     stop = seconds if motion.stop is None else motion.stop
-    if not 0 <= motion.start < stop <= seconds + 0.5 / clip.fps and len(clip) > 1:
+    first, last = round(motion.start * clip.fps), round(stop * clip.fps)
+    if not (0 <= motion.start and first < last < len(clip)):
         raise UserError(f"{path}: from {motion.start:g} to {stop:g} s asked for, it has 0 to {seconds:.2f} s; change start or stop")
-    return clip.frames(round(motion.start * clip.fps), round(stop * clip.fps) + 1)
+    return clip.frames(first, last + 1)

@@ -68,7 +68,7 @@ def world(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
 
 
 def resample(recording: Recording, fps: float) -> Recording:
-    """The recording at another frame rate: rotations by spherical interpolation, from the first frame on.
+    """A recording of two frames or more at another frame rate: rotations by spherical interpolation, from the first frame on.
 
     What is faster than the new rate can show is filtered out first, so that it does not come back as jitter.
     """
@@ -76,8 +76,6 @@ def resample(recording: Recording, fps: float) -> Recording:
     old = np.arange(len(recording)) / recording.fps
     new = np.arange(int(recording.seconds * fps + 1e-6) + 1) / fps
     new = np.minimum(new, old[-1])
-    if len(recording) == 1:
-        return replace(recording, fps=fps)
     rotations = np.empty((len(new),) + recording.rotations.shape[1:])
     for joint in range(len(recording.names)):
         turning = smooth_rotations(recording.rotations[:, joint], width)

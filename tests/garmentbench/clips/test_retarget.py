@@ -174,6 +174,16 @@ def test_names_are_guessed_or_given(tmp_path):
         loaded(tmp_path, strange, map={"Brachium": "upper_arm"})
 
 
+@pytest.mark.parametrize("frames", [1, 2, 3])
+def test_very_short_recordings(tmp_path, frames):
+    if frames > 1:
+        assert len(loaded(tmp_path, bvh_example.t_pose(frames)).clip) == frames
+    for fps in (30.0, 9.0):
+        if (frames - 1) * fps < 30:
+            with pytest.raises(UserError, match=f"{frames} frames at 30 a second; wanted two or more at {fps:g} a second"):
+                loaded(tmp_path, bvh_example.t_pose(frames), fps=fps)
+
+
 def test_skeletons_that_are_none(tmp_path):
     lying = bvh_example.t_pose()
     lying.rotations[:] = Rotation.from_euler("x", 45, degrees=True).as_matrix()
