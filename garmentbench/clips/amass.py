@@ -26,6 +26,7 @@ _SKELETON = (
     ("left_elbow", "left_shoulder", (26, -1, -2)), ("right_elbow", "right_shoulder", (-26, -1, -2)),
     ("left_wrist", "left_elbow", (25, 0, 0)), ("right_wrist", "right_elbow", (-25, 0, 0)),
 )
+_UPRIGHT = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # takes y, which is up in the T-pose, to z
 _RATES = ("mocap_framerate", "mocap_frame_rate", "fps")
 _ADVICE = "wanted an AMASS file with poses (T, 66 or more), trans (T, 3) and mocap_framerate"
 
@@ -39,12 +40,14 @@ def amass_recording(arrays: dict[str, np.ndarray], path: Path) -> Recording:
     """The recording in the arrays of an AMASS file [m]. Raises `UserError` where one is missing or wrong."""
     poses, trans, fps = amass_motion(arrays, path)
     names = [joint for joint, _, _ in _SKELETON]
-    turns = poses[:, : 3 * len(names)].reshape(-1, 3)
+    turns = Rotation.from_rotvec(poses[:, : 3 * len(names)].reshape(-1, 3)).as_matrix().reshape(len(poses), len(names), 3, 3)
+    turns = _UPRIGHT @ turns @ _UPRIGHT.T  # in the axes of a T-pose with z up, so that it stands in the file's axes
+    turns[:, 0] = _UPRIGHT.T @ turns[:, 0]
     return Recording(
         names=tuple(names),
         parents=np.array([-1 if parent is None else names.index(parent) for _, parent, _ in _SKELETON]),
-        offsets=0.01 * np.array([place for _, _, place in _SKELETON], np.float64),
-        rotations=Rotation.from_rotvec(turns).as_matrix().reshape(len(poses), len(names), 3, 3),
+        offsets=0.01 * np.array([place for _, _, place in _SKELETON], np.float64) @ _UPRIGHT.T,
+        rotations=turns,
         root=trans,
         fps=fps,
     )

@@ -64,6 +64,15 @@ def test_known_rotations(tmp_path, joint, rotvec, start, end, direction):
     np.testing.assert_allclose(bone(clip_of(tmp_path, arrays).unplanted, start, end), direction, atol=0.12)
 
 
+def test_a_bend_that_never_ends_is_kept(tmp_path):
+    """The trunk is compared with the T-pose, not with its own mean."""
+    arrays = amass()
+    arrays["poses"][:, 27:30] = [0.6, 0.0, 0.0]  # spine3, ahead
+    clip = clip_of(tmp_path, arrays).unplanted
+    pelvis, chest = (clip.rotations[0, BASE.joint_names.index(n)] for n in ("pelvis", "chest"))
+    np.testing.assert_allclose(Rotation.from_matrix(pelvis.T @ chest).as_rotvec(), [0.6, 0, 0], atol=1e-6)
+
+
 def test_path_is_scaled_by_the_legs(tmp_path):
     arrays = amass(61)
     arrays["trans"][:, 1] -= np.linspace(0, 1, 61)
