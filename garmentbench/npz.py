@@ -9,7 +9,9 @@ import numpy as np
 from garmentbench.errors import UserError
 from garmentbench.hdf5 import reason
 
-DAMAGED = (zipfile.BadZipFile, zlib.error, ValueError, KeyError, EOFError, OSError, RuntimeError, NotImplementedError, SyntaxError)
+DAMAGED = (
+    zipfile.BadZipFile, zlib.error, ValueError, KeyError, EOFError, OSError, RuntimeError, NotImplementedError, SyntaxError,
+)
 _LARGEST = 1 << 32  # [bytes] of one array
 
 

@@ -99,7 +99,8 @@ def coincident_findings(mesh: Mesh) -> list[Finding]:
     """Cracks, unsewn UV seams, vertices that lie on each other."""
     open_, found = gaps(mesh), []
     if len(open_.cracks):
-        what = f"{counted(len(open_.cracks), 'edge')} where borders coincide and are not joined (cracks), at {_edges(mesh, open_.cracks)}"
+        at = _edges(mesh, open_.cracks)
+        what = f"{counted(len(open_.cracks), 'edge')} where borders coincide and are not joined (cracks), at {at}"
         found.append(Finding(Problem("cracks", what, "weld them (--fix does), or the cloth falls open"), edges=open_.cracks))
     if len(open_.uv_seams):
         missing = "that the file's seams leave out" if mesh.says_seams else "whose two sides are joined by position only"

@@ -25,7 +25,8 @@ def non_manifold(mesh: Mesh) -> list[Finding]:
         found.append(Finding(Problem("edges", what, do), edges=edges))
     torn = mesh.vertex[torn_points(mesh.corners, mesh.sides, len(mesh.vertex))]
     if len(torn):
-        what = f"{counted(len(torn), 'point')} where pieces touch and share no edge, at vertex {listed(mesh.numbers[torn])}"
+        at = listed(mesh.numbers[torn])
+        what = f"{counted(len(torn), 'point')} where pieces touch and share no edge, at vertex {at}"
         do = "split the vertex, or join the pieces along an edge; --fix leaves it"
         found.append(Finding(Problem("edges", what, do, warning=True), vertices=torn))
     return found
@@ -59,14 +60,17 @@ def flipped(mesh: Mesh, body: Body | None) -> list[Finding]:
     if len(way.one_sided):
         faces = np.flatnonzero(np.isin(way.patch, way.one_sided))
         what = f"{counted(len(way.one_sided), 'piece')} with only one side (a Moebius strip), at face {listed(faces)}"
-        found.append(Finding(Problem("winding", what, "cut the piece and sew it without the twist; --fix leaves it"), faces=faces))
+        do = "cut the piece and sew it without the twist; --fix leaves it"
+        found.append(Finding(Problem("winding", what, do), faces=faces))
     inward = np.flatnonzero(np.isin(way.patch, inward_patches(mesh, way, body)))
     if len(inward):
         patches = len(np.unique(way.patch[inward]))
         whole = "the whole garment" if len(inward) == len(mesh.faces) else f"{counted(patches, 'patch', 'patches')} of the garment"
         towards = "the inside of the volume that it encloses" if body is None else f"'{body.name}'"
-        what = f"{whole} ({counted(len(inward), 'face')}) inside out: its normals point towards {towards}, at face {listed(inward)}"
-        found.append(Finding(Problem("winding", what, "turn all of its faces over (--fix does)", warning=True), faces=inward))
+        what = (f"{whole} ({counted(len(inward), 'face')}) inside out: its normals point towards {towards}, "
+                f"at face {listed(inward)}")
+        problem = Problem("winding", what, "turn all of its faces over (--fix does)", warning=True)
+        found.append(Finding(problem, faces=inward))
     return found
 
 

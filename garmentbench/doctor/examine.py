@@ -29,7 +29,9 @@ def examine(mesh: Mesh, wearer: Wearer | None = None) -> list[Finding]:
     found += substeps.costly(metric, substeps.cost(metric) if known else None)
     bare = flat.missing(metric)
     found += bare or flat.outside(metric) + flat.folds(metric) + flat.overlapping(metric)
-    return found + (penetration.penetration(metric, in_metres) if in_metres is not None else [])
+    if in_metres is not None:
+        found += penetration.open_body(in_metres) + penetration.penetration(metric, in_metres)
+    return found
 
 
 def examine_template(mesh: Mesh) -> list[Finding]:

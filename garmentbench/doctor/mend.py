@@ -74,4 +74,5 @@ def _new_uv(mesh: Mesh) -> tuple[Mesh, list[str]]:
     new = replace(
         mesh, vertices=mesh.points[made.source], faces=made.faces.astype(np.int64), uv=made.uv.astype(np.float64),
         numbers=mesh.numbers[mesh.vertex][made.source], seams=made.seams.astype(np.int64), pins=np.flatnonzero(pinned))
-    return new, [f"made a UV map by xatlas: {len(np.unique(flat.charts(new)))} charts, {len(made.seams)} vertices split along its cuts"]
+    charts = len(np.unique(flat.charts(new)))
+    return new, [f"made a UV map by xatlas: {charts} charts, {len(made.seams)} vertices split along its cuts"]

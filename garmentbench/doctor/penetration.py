@@ -5,6 +5,7 @@ import numpy as np
 from garmentbench.array_checks import INSIDE_PERCENT
 from garmentbench.doctor.finding import Finding, counted
 from garmentbench.doctor.mesh import Mesh
+from garmentbench.doctor.topology import sides
 from garmentbench.doctor.wearer import Wearer
 from garmentbench.geometry.nearest import nearest_vertices
 from garmentbench.problem import Problem
@@ -21,6 +22,15 @@ def depths(points: np.ndarray, wearer: Wearer) -> np.ndarray:
     return -signed_distances(points, rest, wearer.body.faces.astype(np.int32))[0].astype(np.float64)
 
 
+def open_body(wearer: Wearer) -> list[Finding]:
+    """A body with holes, which has no inside there."""
+    count = int(sides(wearer.body.faces).border.sum())
+    if not count:
+        return []
+    what = f"'{wearer.body.name}' is not closed ({counted(count, 'border edge')}): inside is not defined at its holes"
+    return [Finding(Problem("body", what, "fill the holes of the body's mesh", warning=True))]
+
+
 def penetration(mesh: Mesh, wearer: Wearer) -> list[Finding]:
     """How many of a garment's vertices [m] are inside the body, how deep, and where."""
     used, depth = np.unique(mesh.faces), depths(mesh.vertices, wearer)
@@ -29,11 +39,13 @@ def penetration(mesh: Mesh, wearer: Wearer) -> list[Finding]:
     if not len(inside):
         return []
     percent, deepest = 100 * len(inside) / len(used), depth[inside[0]]
-    worst = ", ".join(f"vertex {mesh.numbers[i]} at ({', '.join(f'{x:.3f}' for x in mesh.vertices[i])})" for i in inside[:_WORST])
-    what = (f"{counted(len(inside), 'vertex', 'vertices')} ({percent:.1f} %) inside '{wearer.body.name}', {1e3 * deepest:.1f} mm deep"
-            f"{_parts(mesh.vertices[inside], wearer)}, worst {worst}")
+    places = [(mesh.numbers[i], *mesh.vertices[i]) for i in inside[:_WORST]]
+    worst = ", ".join(f"vertex {number} at ({x:.3f}, {y:.3f}, {z:.3f})" for number, x, y, z in places)
+    what = (f"{counted(len(inside), 'vertex', 'vertices')} ({percent:.1f} %) inside '{wearer.body.name}', "
+            f"{1e3 * deepest:.1f} mm deep{_parts(mesh.vertices[inside], wearer)}, worst {worst}")
     shallow = bool(deepest < DEEP)
-    do = "push them out (--fix does)" if shallow else f"deeper than {1e3 * DEEP:g} mm: fit the garment to this body; --fix leaves it"
+    too_deep = f"deeper than {1e3 * DEEP:g} mm: fit the garment to this body; --fix leaves it"
+    do = "push them out (--fix does)" if shallow else too_deep
     return [Finding(Problem("body", what, do, warning=shallow and percent <= INSIDE_PERCENT), vertices=inside)]
 
 

@@ -47,7 +47,8 @@ def drop_doubles(mesh: Mesh) -> Done:
     again = doubles(mesh.corners)
     if not len(again):
         return mesh, []
-    return replace(mesh, faces=np.delete(mesh.faces, again, axis=0)), [f"removed {counted(len(again), 'face')} that lay on another"]
+    once = replace(mesh, faces=np.delete(mesh.faces, again, axis=0))
+    return once, [f"removed {counted(len(again), 'face')} that lay on another"]
 
 
 def drop_flat(mesh: Mesh) -> Done:

@@ -14,7 +14,7 @@ from garmentbench.simulation.material import Material, Settings
 from garmentbench.simulation.stability import substeps
 
 FPS = 30.0
-UNEVEN = 3.0  # times as many substeps as an even mesh would take: then a few places cost all others
+UNEVEN = 2.5  # times as many substeps as an even mesh would take: then a few places cost all others
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,8 @@ def write_mesh(path: Path, mesh: Mesh) -> list[str]:
 
 def _write_npz(path: Path, mesh: Mesh) -> None:
     if mesh.uv is None or not np.isfinite(mesh.uv).all():
-        raise UserError(f"{path}: a garment's .npz needs UV, and this mesh has none for all of it; give --make-uv, or write .obj")
+        found = "a garment's .npz needs UV, and this mesh has none for all of it"
+        raise UserError(f"{path}: {found}; give --make-uv, or write .obj")
     arrays = {
         "rest": mesh.vertices.astype(np.float32), "faces": mesh.faces.astype(np.int32), "uv": mesh.uv.astype(np.float32),
         "seams": mesh.seams.astype(np.int32), "pins": mesh.pins.astype(np.int32), **mesh.notes}

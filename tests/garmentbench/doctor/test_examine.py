@@ -9,9 +9,13 @@ from faulty_meshes import COLUMNS, at, ball, moved, more, parted, tube, with_uv
 from garmentbench.doctor.examine import examine, examine_template, summary
 from garmentbench.doctor.mesh import Mesh
 from garmentbench.doctor.reading import mesh_of, read_mesh, read_wearer
+from garmentbench.doctor.substeps import cost
 from garmentbench.doctor.wearer import of_body
 from garmentbench.garments import load_garment
 from garmentbench.paths import GARMENTS
+from garmentbench.simulation.assembly import assemble
+from garmentbench.simulation.material import Material, Settings
+from garmentbench.simulation.stability import substeps
 from garmentbench.tiny import tiny_sequence
 
 CLEAN = tube()
@@ -152,7 +156,7 @@ FAULTS = {
         "warning: uv: 1 face without area in UV, at face 0;"]),
     "a fold in UV": (folded, [
         "warning: uv: 2 faces flipped in UV against the rest of the chart, at face", " faces overlap in UV (within 1 chart), by "]),
-    "overlapping charts": (overlapping, ["error: uv: 1920 faces overlap in UV (1 pair of charts), by 25 % of the map's area"]),
+    "overlapping charts": (overlapping, ["error: uv: 1920 faces overlap in UV (1 pair of charts), by 25 % of the map, most of all"]),
     "centimetres": (lambda: CLEAN.scaled(100.0), [
         "error: scale: measures 73.5 across, wanted 0.05 to 8 m: in cm; multiply all positions by 0.01"]),
     "millimetres": (lambda: CLEAN.scaled(1000.0), [": in mm; multiply all positions by 0.001"]),
@@ -196,6 +200,12 @@ def test_penetration_says_how_many_how_deep_and_where():
     assert len(shallow) == 1 and shallow[0].startswith("warning: body: 1 vertex (0.1 %)") and "push them out" in shallow[0]
 
 
+def test_an_open_body_is_told():
+    body = ball()
+    line, = told(CLEAN, replace(body, faces=body.faces[1:]))
+    assert line.startswith("warning: body: 'ball' is not closed (3 border edges)")
+
+
 def test_the_body_decides_which_side_is_out():
     half = CLEAN.faces[CLEAN.vertices[CLEAN.faces][..., 1].min(axis=1) > 0.05]  # an open sheet in front of the ball
     apron = replace(CLEAN, faces=half)
@@ -216,11 +226,20 @@ def test_baked_parts_are_called_by_their_bones():
 
 
 def test_a_few_places_that_set_the_time_step_are_told():
-    found = examine(mesh_of(load_garment("sheet", "laptop")))
-    assert found == []
-    sheet = mesh_of(load_garment("sheet", "laptop"))
-    squeezed = moved(sheet, 435, sheet.vertices[435] + 0.93 * (sheet.vertices[436] - sheet.vertices[435]))
-    assert any(f.problem.where == "edges" and "shorter than a tenth" in f.problem.what for f in examine(squeezed))
+    """Squeezed to a fifth, nine vertices of 1891 cost everybody more than twice the substeps."""
+    patch = [at(10 + i, 10 + k) for i in (-1, 0, 1) for k in (-1, 0, 1)]
+    squeezed = moved(CLEAN, patch, CLEAN.vertices[INNER] + 0.2 * (CLEAN.vertices[patch] - CLEAN.vertices[INNER]))
+    before, after = cost(CLEAN), cost(squeezed)
+    assert after.substeps > 2 * before.substeps and after.vertex == INNER
+    assert after.even == pytest.approx(before.substeps, rel=0.3)
+    line, = told(squeezed)
+    assert line.startswith(f"warning: substeps: a frame takes {after.substeps} substeps") and f"vertex {INNER} at (" in line
+
+
+def test_cost_is_the_simulator_s():
+    garment = load_garment("tshirt", "smoke")
+    fabric = assemble(garment, Material(), Settings())
+    assert cost(mesh_of(garment)).substeps == substeps(fabric, Material(), Settings(), 1 / 30)
 
 
 def test_summary_says_what_there_is():
