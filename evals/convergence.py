@@ -1,8 +1,8 @@
 """Trust in the reference: how far it moves when its step is halved, its start is pushed and its mesh is refined.
 
 Every run is of the scene's first frames, after the whole warm-up, so that what is measured is what methods are measured
-against. Runs with other steps are compared with the finest one; runs with another start or mesh with the chosen setting. A start
-pushed by a micrometre shows what rounding alone does: differences of that size say nothing about the step.
+against. Runs with other steps are compared with the finest one; runs with another start or mesh with the chosen setting.
+A start pushed by a micrometre shows what rounding alone does: differences of that size say nothing about the step.
 
 The mesh is refined by the middles of its edges: the same rest surface, the same vertices and more between them, so that
 nothing but the discretisation differs. Garments baked at another size would have another rest shape too.

@@ -1,4 +1,4 @@
-"""A fabric in Newton's terms: neo-Hookean triangles, hinges, and the same masses, with the stiffness that follows from ours."""
+"""A fabric in Newton's terms: neo-Hookean triangles and hinges, with the same masses and the stiffness that follows."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING

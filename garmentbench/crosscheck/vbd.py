@@ -36,7 +36,10 @@ def require_newton() -> None:
     from importlib.util import find_spec
 
     if find_spec("newton") is None:
-        raise UserError("the cross-check needs the package newton, which is not installed; pip install -c constraints.txt -e '.[crosscheck]'")
+        raise UserError(
+            "the cross-check needs the package newton, which is not installed; `make crosscheck` brings it, or "
+            "pip install -c constraints.txt -e '.[crosscheck]'"
+        )
 
 
 def drive_vbd(

@@ -37,7 +37,9 @@ def simulate_again(scene: Scene, preset: Preset, refined: bool, device: str = "c
     outfit = _with_finer_mesh(outfit, scene) if refined else outfit
     clock = time.process_time if device == "cpu" else time.perf_counter  # on a shared processor wall time says little
     marks: list[float] = []
-    steps = len(outfit.layers) * (warm_up + outfit.frames - 1)
+    count = warm_up + outfit.frames
+    ahead = len(outfit.animation.positions) > count  # a layer beneath is then simulated for one frame more
+    steps = len(outfit.layers) * (count - 1) + ahead * (len(outfit.layers) - 1)
     with track(steps, f"simulate {scene.name}{' on a finer mesh' if refined else ''}") as step:
 
         def mark() -> None:

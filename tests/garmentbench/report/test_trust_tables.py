@@ -20,20 +20,23 @@ STEP = {CHOSEN: 0.7, "substeps_x2": 0.3, "substeps_x4": 0.1}  # C (1/k - 1/8), C
 def study_rows(scene: dict, scale: float = 1.0) -> list[dict]:
     """The rows of a study of first order."""
     def of(variant, metric, value, unit):
-        return row("convergence", scene, "reference", variant, 0, metric, 90, value, unit, train_frames=None, run=f"convergence-{variant}")
+        run = f"convergence-{variant}"
+        return row("convergence", scene, "reference", variant, 0, metric, 90, value, unit, train_frames=None, run=run)
 
     rows = []
     for k, variant in ((1, CHOSEN), (2, "substeps_x2"), (4, "substeps_x4"), (8, FINEST)):
         rows += [of(variant, "substeps", 56 * k, "1"), of(variant, "ms_per_frame", 20.0 * k, "ms")]
         if variant in STEP:
-            rows += [of(variant, "difference", scale * STEP[variant], "cm"), of(variant, "difference_p95", 2 * scale * STEP[variant], "cm")]
+            rows.append(of(variant, "difference", scale * STEP[variant], "cm"))
+            rows.append(of(variant, "difference_p95", 2 * scale * STEP[variant], "cm"))
     for variant, value in (("start_1um", 0.001), ("start_1mm", 0.02), ("start_1cm", 0.2), ("mesh_fine", 0.9)):
         rows += [of(variant, "difference", scale * value, "cm"), of(variant, "ms_per_frame", 20.0, "ms")]
     return rows
 
 
 def model_rows(error: float, scene: dict = WALK, run: str = "") -> list[dict]:
-    return [row("baselines", scene, "motion_guided", "full", 0, "rollout_l2", h, e, "cm", run=run) for h, e in ((50, 9.0), (1150, error))]
+    values = ((50, 9.0), (1150, error))
+    return [row("baselines", scene, "motion_guided", "full", 0, "rollout_l2", h, e, "cm", run=run) for h, e in values]
 
 
 def read(tmp_path, rows) -> pandas.DataFrame:
@@ -48,7 +51,8 @@ def test_the_order_of_a_known_error(p):
 
 
 def test_an_error_that_does_not_fall_has_no_order():
-    assert math.isnan(observed_order(0.5, 0.5)) and math.isnan(observed_order(0.1, 0.3)) and math.isnan(observed_order(math.nan, 1))
+    for errors in ((0.5, 0.5), (0.1, 0.3), (math.nan, 1.0)):
+        assert math.isnan(observed_order(*errors))
     assert observed_order(1.0, 0.5) < 0  # less than a third at 4 times the substeps: slower than any power
 
 
