@@ -44,7 +44,8 @@ class Line:
 def run(names: list[str], preset: Preset, seeds: int, data_only: bool = False) -> None:
     """Compute the named experiments and studies (all experiments, if none is named) and write `reports/<preset>/`.
 
-    Without names a study keeps its place in the report if it is finished, by this code. Raises `UserError` at the end if a job failed; its line is in the tables all the same.
+    Without names a study keeps its place in the report if it is finished, by this code. Raises
+    `UserError` at the end if a job failed; its line is in the tables all the same.
     """
     for name in names:
         if name not in EXPERIMENTS | STUDIES:
