@@ -6,10 +6,10 @@ Only needed to remake the assets: `pip install -e .[bake]`, bake the bodies, the
 import gpytoolbox
 import numpy as np
 from cutting import Pattern, cut, frontness, loosen
-from fitting import Cloth
+from fitting import Cloth, body_skin
 from garment_file import save
 from surface import Skin
-from tights import SOURCE, body_skin, fine_tights
+from tights import SOURCE, fine_tights
 
 VERTICES = {"smoke": 500, "laptop": 1_500, "paper": 21_904}  # wanted, after the split at the seam
 LEGS = 0.92  # [m] height from which they are spread before they are laid flat

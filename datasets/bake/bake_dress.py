@@ -1,18 +1,17 @@
 """Bake the dress into datasets/garments/dress-{smoke,laptop,paper}.npz.
 
 Only needed to remake the assets: `pip install -e .[bake]`, bake the bodies, then `python datasets/bake/bake_dress.py`.
-Its top, with cap sleeves, is cut like the T-shirt; from the waist a cone hangs to the knees.
+Its top, with short sleeves, is cut like the T-shirt; from the waist a cone hangs to the knees.
 """
 
 import gpytoolbox
 import numpy as np
-from charts import border_loops
 from cutting import Pattern, cut, frontness, loosen
-from fitting import Cloth
+from fitting import Cloth, body_skin
 from garment_file import save
 from scipy.ndimage import gaussian_filter1d
-from surface import Skin
-from tights import SOURCE, body_skin, fine_tights
+from surface import Skin, border_loops
+from tights import SOURCE, fine_tights
 from tube import AXIS, WAIST, grid_faces, hull_radius, without_arms
 
 VERTICES = {"smoke": 400, "laptop": 1_500, "paper": 18_000}  # wanted, after the split at the seam; the paper gives none

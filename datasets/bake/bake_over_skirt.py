@@ -5,11 +5,10 @@ worn over the dress: a wider cone from the waist to above the knees.
 """
 
 import numpy as np
-from fitting import Cloth
+from fitting import Cloth, body_skin
 from garment_file import save
 from scipy.ndimage import gaussian_filter
 from surface import Skin
-from tights import body_skin
 from tube import AXIS, WAIST, grid_faces, hull_radius, without_arms
 
 from garmentbench.garments import load_garment

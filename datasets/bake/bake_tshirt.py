@@ -8,10 +8,10 @@ import gpytoolbox
 import numpy as np
 import panels
 from cutting import Pattern, cut, frontness, loosen
-from fitting import CLEARANCE, thinnest
+from fitting import CLEARANCE, body_skin, relax, thinnest
 from garment_file import save
 from surface import Skin, push_out
-from tights import SOURCE, body_skin, fine_tights
+from tights import SOURCE, fine_tights
 
 VERTICES = {"smoke": 400, "laptop": 1_500, "paper": 18_902}  # wanted, after the split at the seam
 HEM_BELOW_HIPS = 0.03  # [m], against the hip joints
@@ -38,7 +38,7 @@ def mesh_tshirt(fine: tuple, skin: Skin, edge: float) -> tuple[np.ndarray, np.nd
     """The T-shirt at one edge length [m], not yet split at the seam: points [m], faces, and each face's panel."""
     points, faces, panel_of = panels.sew(*fine, edge)
     for _ in range(3):
-        points = push_out(panels.relax(points, faces, panel_of), faces, skin, CLEARANCE)
+        points = push_out(relax(points, faces, panel_of), faces, skin, CLEARANCE)
     return points, faces, panel_of
 
 

@@ -1,38 +1,19 @@
 """UV charts: each panel is flattened with as little distortion as possible, then both are laid side by side."""
 
-import gpytoolbox
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import factorized, spsolve
+from surface import border_loop, edges
 
 MARGIN = 0.03  # of the UV square, round each chart
-
-
-def border_loops(faces: np.ndarray) -> list[np.ndarray]:
-    """All borders of a surface, each in the faces' direction, from its smallest vertex on."""
-    directed = set(map(tuple, faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2).tolist()))
-    following = {a: b for a, b in directed if (b, a) not in directed}
-    loops = []
-    while following:
-        loop = [min(following)]
-        while (after := following.pop(loop[-1])) != loop[0]:
-            loop.append(after)
-        loops.append(np.array(loop))
-    return loops
-
-
-def border_loop(faces: np.ndarray) -> np.ndarray:
-    """The border of a disk, in the faces' direction, shape (B,)."""
-    loops = border_loops(faces)
-    assert len(loops) == 1, "a panel must have one border"
-    return loops[0]
 
 
 def disk_map(points: np.ndarray, faces: np.ndarray, border: np.ndarray) -> np.ndarray:
     """Tutte's map to the unit disk, the border by arc length; it never flips a triangle. Shape (V, 2)."""
     steps = np.linalg.norm(np.roll(points[border], -1, axis=0) - points[border], axis=1)
     angle = 2 * np.pi * (np.cumsum(steps) - steps) / steps.sum()
-    adjacency = sp.csr_array(gpytoolbox.adjacency_matrix(faces) != 0, dtype=float)
+    a, b = edges(faces)[0].T
+    adjacency = sp.csr_array((np.ones(2 * len(a)), (np.append(a, b), np.append(b, a))), (len(points),) * 2)
     laplacian = sp.csr_array(sp.diags_array(adjacency.sum(axis=1)) - adjacency)
     inner = np.setdiff1d(np.arange(len(points)), border)
     flat = np.zeros((len(points), 2))

@@ -2,14 +2,21 @@
 
 import charts
 import numpy as np
-from lattice import Panel, mesh, pattern, size
-from panels import relax
+from lattice import Panel, flat_panel, mesh, size
 from scipy.spatial import cKDTree
-from surface import Skin, push_out
+from surface import Skin, averaging, border_loop, normals, push_out
+
+from garmentbench.bodies import load_body
 
 CLEARANCE = 0.006  # [m] of vertices and middles of edges and faces off the skin
 THIN = 0.3  # of an edge: the least height of a triangle
 ATTEMPTS = 8
+
+
+def body_skin() -> Skin:
+    """The baked base body's skin."""
+    body = load_body("base", "full").body
+    return Skin(body.rest.astype(float), body.faces)
 
 
 class Cloth:
@@ -18,12 +25,12 @@ class Cloth:
     Args:
         points: Fine points [m], shape (V, 3); faces: shape (F, 3).
         level: Positive on the front panel, negative on the back one, shape (V,).
-        spread: What is laid flat in place of `points` (see `lattice.pattern`).
+        spread: What is laid flat in place of `points` (see `lattice.flat_panel`).
     """
 
     def __init__(self, points: np.ndarray, faces: np.ndarray, level: np.ndarray, spread: np.ndarray | None = None):
         spread = points if spread is None else spread
-        self.front, self.back = pattern(points, faces, level, spread), pattern(points, faces, -level, spread)
+        self.front, self.back = flat_panel(points, faces, level, spread), flat_panel(points, faces, -level, spread)
 
     def fit(self, skin: Skin, wanted: int) -> dict[str, np.ndarray]:
         """The arrays of a garment's file, with about so many vertices and without thin triangles; without pins."""
@@ -53,6 +60,20 @@ def sewn(front: Panel, back: Panel, skin: Skin) -> dict[str, np.ndarray]:
     rest = points[np.searchsorted(used, place)]
     seams = np.column_stack([place, number])[place != number]
     return {"rest": rest, "faces": faces, "uv": chart(front, back, rest), "seams": seams, "pins": np.zeros(0, int)}
+
+
+def relax(points: np.ndarray, faces: np.ndarray, panels: np.ndarray, rounds: int = 10) -> np.ndarray:
+    """Even out the triangles by moving vertices within the surface; borders and seams stay where they are."""
+    mean = averaging(faces, len(points))
+    rims = [border_loop(faces[panels == side]) for side in (0, 1)]
+    free = np.ones((len(points), 1))
+    free[np.concatenate(rims)] = 0
+    for _ in range(rounds):
+        move = mean @ points - points
+        facing = normals(points, faces)
+        move -= np.einsum("vc,vc->v", move, facing)[:, None] * facing
+        points = points + 0.5 * free * move
+    return points
 
 
 def joined_points(front: Panel, back: Panel) -> np.ndarray:

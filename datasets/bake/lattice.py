@@ -6,19 +6,18 @@ Even triangles are what the simulator wants: its time step follows the smallest 
 from dataclasses import dataclass
 
 import numpy as np
-from charts import border_loop, flatten
+from charts import flatten
 from matplotlib.path import Path
-from panels import even_rim
 from scipy.interpolate import LinearNDInterpolator
 from scipy.spatial import Delaunay, cKDTree
-from surface import clip
+from surface import border_loop, clip
 
 ROUNDS = 60
 NEAREST_TO_RIM = 0.7  # edge lengths: a point of the lattice that would lie nearer is left out
 
 
 @dataclass(frozen=True)
-class Pattern:
+class FlatPanel:
     """One side of a seam as a fine surface and flat.
 
     Attributes:
@@ -43,7 +42,7 @@ class Panel:
     rim: int
 
 
-def pattern(points: np.ndarray, faces: np.ndarray, level: np.ndarray, spread: np.ndarray) -> Pattern:
+def flat_panel(points: np.ndarray, faces: np.ndarray, level: np.ndarray, spread: np.ndarray) -> FlatPanel:
     """The part of a fine garment where `level`, shape (V,), is positive, laid flat. It must be a disk.
 
     What is laid flat is the shape `spread`, shape (V, 3), of the same cloth: a panel with two legs would overlap itself
@@ -54,15 +53,15 @@ def pattern(points: np.ndarray, faces: np.ndarray, level: np.ndarray, spread: np
     border = border_loop(faces)
     seam = on_seam[border]
     corners = np.flatnonzero(seam & ~(np.roll(seam, 1) & np.roll(seam, -1)))  # seam points next to the garment's border
-    return Pattern(points, flatten(spread, faces), np.roll(border, -corners[0]), corners - corners[0])
+    return FlatPanel(points, flatten(spread, faces), np.roll(border, -corners[0]), corners - corners[0])
 
 
-def size(cloth: Pattern, edge: float) -> int:
+def size(cloth: FlatPanel, edge: float) -> int:
     """How many vertices `mesh` makes."""
     return sum(map(len, starting_points(cloth, edge)[1:]))
 
 
-def mesh(cloth: Pattern, edge: float) -> Panel:
+def mesh(cloth: FlatPanel, edge: float) -> Panel:
     """A panel with edges of about that length [m]. Two panels that share a seam get the same points along it."""
     rim, outline, inner = starting_points(cloth, edge)
     inner = evened(outline, inner)
@@ -72,7 +71,7 @@ def mesh(cloth: Pattern, edge: float) -> Panel:
     return Panel(np.concatenate([rim, lifted]), flat, triangles(flat, len(outline)), len(rim))
 
 
-def starting_points(cloth: Pattern, edge: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def starting_points(cloth: FlatPanel, edge: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The rim's points [m], shape (R, 3), the same on the flat pattern, shape (R, 2), and those of a triangular lattice
     inside, shape (I, 2)."""
     rim, angle = even_rim(cloth.points[cloth.border], cloth.corners, edge)
@@ -86,6 +85,18 @@ def starting_points(cloth: Pattern, edge: float) -> tuple[np.ndarray, np.ndarray
     inner = np.column_stack([x.ravel(), y.ravel()])
     inner = inner[Path(outline).contains_points(inner)]
     return rim, outline, inner[cKDTree(outline).query(inner)[0] > NEAREST_TO_RIM * edge]
+
+
+def even_rim(border: np.ndarray, corners: np.ndarray, edge: float) -> tuple[np.ndarray, np.ndarray]:
+    """Points at even distances along a closed polyline that starts at its first corner, and their angles on a circle."""
+    closed = np.concatenate([border, border[:1]])
+    length = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
+    stops = np.append(length[corners], length[-1])
+    at = np.concatenate(
+        [np.linspace(a, b, max(2, round((b - a) / edge)), endpoint=False) for a, b in zip(stops[:-1], stops[1:])]
+    )
+    rim = np.column_stack([np.interp(at, length, column) for column in closed.T])
+    return rim, 2 * np.pi * at / length[-1]
 
 
 def evened(outline: np.ndarray, inner: np.ndarray) -> np.ndarray:

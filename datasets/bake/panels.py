@@ -2,9 +2,10 @@
 
 import gpytoolbox
 import numpy as np
-from charts import border_loop, disk_map
+from charts import disk_map
+from lattice import even_rim
 from scipy.spatial import Delaunay, cKDTree
-from surface import averaging, clip, normals
+from surface import border_loop, clip
 
 
 def sew(
@@ -52,32 +53,6 @@ def panel(points: np.ndarray, faces: np.ndarray, level: np.ndarray, edge: float)
     start[clockwise] = start[clockwise][:, ::-1]
     # The library never moves a border.
     return gpytoolbox.remesh_botsch(np.concatenate([rim, points[inner]]), start.astype(np.int32), 20, edge, True)
-
-
-def even_rim(border: np.ndarray, corners: np.ndarray, edge: float) -> tuple[np.ndarray, np.ndarray]:
-    """Points at even distances along a closed polyline that starts at its first corner, and their angles on a circle."""
-    closed = np.concatenate([border, border[:1]])
-    length = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
-    stops = np.append(length[corners], length[-1])
-    at = np.concatenate(
-        [np.linspace(a, b, max(2, round((b - a) / edge)), endpoint=False) for a, b in zip(stops[:-1], stops[1:])]
-    )
-    rim = np.column_stack([np.interp(at, length, column) for column in closed.T])
-    return rim, 2 * np.pi * at / length[-1]
-
-
-def relax(points: np.ndarray, faces: np.ndarray, panels: np.ndarray, rounds: int = 10) -> np.ndarray:
-    """Even out the triangles by moving vertices within the surface; borders and seams stay where they are."""
-    mean = averaging(faces, len(points))
-    rims = [border_loop(faces[panels == side]) for side in (0, 1)]
-    free = np.ones((len(points), 1))
-    free[np.concatenate(rims)] = 0
-    for _ in range(rounds):
-        move = mean @ points - points
-        facing = normals(points, faces)
-        move -= np.einsum("vc,vc->v", move, facing)[:, None] * facing
-        points = points + 0.5 * free * move
-    return points
 
 
 def split_seam(points: np.ndarray, faces: np.ndarray, panels: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

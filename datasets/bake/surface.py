@@ -57,6 +57,26 @@ def edges(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.unique(every, axis=0, return_counts=True)
 
 
+def border_loops(faces: np.ndarray) -> list[np.ndarray]:
+    """All borders of a surface, each in the faces' direction, from its smallest vertex on."""
+    directed = set(map(tuple, faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2).tolist()))
+    following = {a: b for a, b in directed if (b, a) not in directed}
+    loops = []
+    while following:
+        loop = [min(following)]
+        while (after := following.pop(loop[-1])) != loop[0]:
+            loop.append(after)
+        loops.append(np.array(loop))
+    return loops
+
+
+def border_loop(faces: np.ndarray) -> np.ndarray:
+    """The border of a disk, in the faces' direction, shape (B,)."""
+    loops = border_loops(faces)
+    assert len(loops) == 1, "a panel must have one border"
+    return loops[0]
+
+
 def averaging(faces: np.ndarray, count: int) -> sp.csr_array:
     """The mean over a vertex's neighbours; at a border, over its neighbours on the border. Shape (V, V)."""
     pairs, faces_each = edges(faces)

