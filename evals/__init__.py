@@ -9,6 +9,7 @@ from evals.experiment import Experiment
 from evals.stability import STABILITY
 from evals.stick import STICK
 from evals.study import Study
+from evals.wardrobe import WARDROBE
 
-EXPERIMENTS: dict[str, Experiment] = {e.name: e for e in (BASELINES, STICK, *ABLATIONS, STABILITY)}
+EXPERIMENTS: dict[str, Experiment] = {e.name: e for e in (BASELINES, STICK, *ABLATIONS, *WARDROBE, STABILITY)}
 STUDIES: dict[str, Study] = {s.name: s for s in (CONVERGENCE, CROSSCHECK)}

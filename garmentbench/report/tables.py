@@ -37,6 +37,7 @@ NAMES = {  # of the experiments, in the report's order; others follow under thei
     "baselines": "Main table",
     "stick": "Sheet and stick",
     "ablations": "Ablations",
+    "table3": "Wardrobe",
     "table4": "Training length",
     STABILITY: "Stress ladder",
     CONVERGENCE: "Convergence of the reference",

@@ -1,0 +1,19 @@
+"""One model a garment, as in the paper's Table 3: each trained on its own walk armspace-75, tested on armspace-90.
+
+The over-skirt is predicted from the dress beneath it, which takes the body's place (section 6.5); the dress that it is
+given is the simulated one.
+"""
+
+from evals.experiment import FULL, Entry, Experiment
+
+GARMENTS = ("bodysuit", "pleated_skirt", "dress", "over_skirt")
+WARDROBE = tuple(
+    Experiment(
+        name=f"wardrobe-{garment}",
+        table="table3",
+        train=f"{garment}-armspace-75",
+        tests=(f"{garment}-armspace-90",),
+        entries=(Entry("skinning"), Entry("linear_subspace"), FULL),
+    )
+    for garment in GARMENTS
+)
