@@ -33,7 +33,7 @@ PART_OF_ERROR = 1 / 3  # the uncertainty may be so much of the full model's erro
 
 
 @dataclass(frozen=True)
-class Study:
+class SceneStudy:
     """What was measured on one scene.
 
     Attributes:
@@ -62,9 +62,11 @@ class Study:
 
     @property
     def order(self) -> float:
-        """The observed order of convergence in the step (see `observed_order`); NaN where rounding hides it."""
+        """The observed order of convergence in the step (see `observed_order`); NaN where rounding or the motion's own
+        sensitivity hides it, so that differences do not fall as those of a power."""
         coarse, fine = self.mean(CHOSEN), self.mean("substeps_x4")
-        return observed_order(coarse, fine) if fine > ABOVE_ROUNDING * self.mean(ROUNDING) else math.nan
+        order = observed_order(coarse, fine) if fine > ABOVE_ROUNDING * self.mean(ROUNDING) else math.nan
+        return order if order > 0 else math.nan
 
 
 def observed_order(error_1: float, error_4: float) -> float:
@@ -77,14 +79,14 @@ def observed_order(error_1: float, error_4: float) -> float:
     return math.log2((math.sqrt(4 * error_1 / error_4 - 3) - 1) / 2)
 
 
-def studies(results: "pandas.DataFrame") -> list[Study]:
+def studies(results: "pandas.DataFrame") -> list[SceneStudy]:
     """The study of each scene, with the full model's error on that scene, or else its smallest on that garment."""
     found = lines(results, CONVERGENCE)
     made = []
     for scene in dict.fromkeys(line.scene for line in found):
         by_variant = {line.variant: line for line in found if line.scene == scene}
         garment = next(iter(by_variant.values())).garment
-        made.append(Study(scene, garment, by_variant, *_model_error(results, scene, garment)))
+        made.append(SceneStudy(scene, garment, by_variant, *_model_error(results, scene, garment)))
     return made
 
 
@@ -100,7 +102,7 @@ def _model_error(results: "pandas.DataFrame", scene: str, garment: str) -> tuple
     return float(error.min()), str(error.idxmin())
 
 
-def convergence_table(found: list[Study]) -> Table:
+def convergence_table(found: list[SceneStudy]) -> Table:
     """Every run of the study: how far it is from what it is compared with, and what it cost."""
     rows = []
     for study in found:
@@ -129,11 +131,11 @@ def convergence_table(found: list[Study]) -> Table:
     )
 
 
-def trust_table(found: list[Study]) -> Table:
+def trust_table(found: list[SceneStudy]) -> Table:
     """Is the reference's uncertainty at most a third of the full model's error, garment by garment?"""
     rows = []
     for study in found:
-        order = Cell(ABSENT if math.isnan(study.order) else number(study.order))
+        order = Cell("none" if math.isnan(study.order) else number(study.order))
         cells = [centimetres(v) for v in (study.uncertainty, study.mean("mesh_fine"), study.model_error)]
         rows.append([Cell(study.scene), order, *cells, Cell(study.model_scene or ABSENT), _verdict(study)])
     return Table(
@@ -142,7 +144,8 @@ def trust_table(found: list[Study]) -> Table:
         "The uncertainty is the larger of what the finest step and a start pushed by 1 mm change. It should be at most a "
         "third of the full model's roll-out error. What a finer mesh changes is no error of the simulation of this mesh, "
         "but says how far the mesh stands for the cloth. Order: of the error in the step, by its fall from 1 to 4 times "
-        "the substeps; the integrator's own is 1; none where rounding (a start pushed by a micrometre) changes as much.",
+        "the substeps; the integrator's own is 1. There is none where the differences do not fall: the step's error is then "
+        "hidden by rounding, or by folds that fall one way or the other for any reason (see the start pushed by a micrometre).",
         ["scene", "order", "uncertainty [cm]", "finer mesh [cm]", "full model's error [cm]", "measured on", "at most a third"],
         rows,
         frozenset({0, 5, 6}),
@@ -154,7 +157,7 @@ def centimetres(value: float, bold: bool = False) -> Cell:
     return Cell(ABSENT) if math.isnan(value) else Cell(f"{value:.2g}", bold=bold)
 
 
-def _verdict(study: Study) -> Cell:
+def _verdict(study: SceneStudy) -> Cell:
     share = study.uncertainty / study.model_error
     if math.isnan(share):
         return Cell("full model not run on it" if math.isnan(study.model_error) else "uncertainty not known", bad=True)

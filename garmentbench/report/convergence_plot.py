@@ -6,7 +6,7 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
-from garmentbench.report.convergence import CHOSEN, PART_OF_ERROR, ROUNDING, SUBSTEPS, Study
+from garmentbench.report.convergence import CHOSEN, PART_OF_ERROR, ROUNDING, SUBSTEPS, SceneStudy
 from garmentbench.report.plots import STYLE, logarithmic, svg
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ BOUND = "#d55e00"
 WIDTH, HEIGHT = 10.5, 2.9  # of a row [inches]
 
 
-def convergence_plot(found: list[Study]) -> bytes:
+def convergence_plot(found: list[SceneStudy]) -> bytes:
     """Error in the step of each scene's reference, beside what its start and its mesh change. SVG."""
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(WIDTH, HEIGHT * len(found) + 0.4), layout="constrained")
@@ -37,7 +37,7 @@ def convergence_plot(found: list[Study]) -> bytes:
         return svg(figure)
 
 
-def _draw(axes: "Axes", study: Study, places: dict[str, float], label: str) -> None:
+def _draw(axes: "Axes", study: SceneStudy, places: dict[str, float], label: str) -> None:
     """One picture: the runs with other steps at their places along the x axis; the chosen one has a star."""
     x, y = np.array([(places[v], study.mean(v)) for v in SUBSTEPS]).T
     known = np.isfinite(x) & np.isfinite(y) & (y > 0)

@@ -66,7 +66,8 @@ def test_the_verdict_is_a_third_of_the_full_model_s_error(tmp_path):
 def test_an_order_hidden_by_rounding_is_not_told(tmp_path):
     """A micrometre at the start changes 0.06 cm, the step at 4 times the substeps 0.1 cm: less than twice that."""
     rows = [r | {"value": 0.06} if (r["variant"], r["metric"]) == ("start_1um", "difference") else r for r in study_rows(WALK)]
-    assert math.isnan(studies(read(tmp_path, rows))[0].order)
+    hidden = studies(read(tmp_path, rows))
+    assert math.isnan(hidden[0].order) and "| tshirt-armspace-90 | none | 0.7 |" in markdown(trust_table(hidden))
     assert studies(read(tmp_path, study_rows(WALK)))[0].order == pytest.approx(1)
 
 
