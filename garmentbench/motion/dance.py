@@ -116,12 +116,15 @@ def _beats(dance: Dance, t: np.ndarray) -> np.ndarray:
 
 
 def _order(dance: Dance, seconds: float, scale: float) -> list[_Turn]:
-    """Phrases until the end, none twice in succession."""
+    """Phrases until the end: round after round of all of them, none twice in succession."""
     chance = np.random.default_rng(dance.seed)
-    turns, last = [], -1
+    turns, deck, last = [], [], -1
     start, place, heading = 0.0, np.zeros(2), 0.0
     while BEGIN + dance.beat * (start - 16) < seconds:
-        last = int(chance.choice([k for k in range(len(dance.phrases)) if k != last]))
+        if not deck:  # all of them, in another order
+            deck = list(chance.permutation(len(dance.phrases)))
+            deck = deck if deck[0] != last else deck[::-1]
+        last = deck.pop(0)
         phrase, mirror, size = dance.phrases[last], bool(chance.integers(2)), float(chance.uniform(0.85, 1.08))
         turns.append(_Turn(phrase, start, place, heading, mirror, size))
         left, forward, turned = phrase.end
@@ -142,12 +145,10 @@ def _plants(baked: BakedBody, turns: list[_Turn], side: str, when: Callable[[flo
         hand = -1.0 if turn.mirror else 1.0
         heading = turn.heading + hand * step.turn
         to = scale * turn.size * np.array([hand * step.left, -step.forward])
-        x, y = turn.place + _turned(to + [out, 0.0], heading)
         how = dict(step.how)
-        if "kick" in how:
-            how["kick"] = (scale * hand * how["kick"][0], scale * how["kick"][1])
-        if "pivot" in how:
-            how["pivot"] = hand * how["pivot"]
+        pivot, kick = hand * how.pop("pivot", 0.0), how.pop("kick", (0.0, 0.0))
+        x, y = turn.place + _turned(to + [out, 0.0], heading + 0.5 * pivot)
+        how |= {"pivot": pivot, "kick": (scale * hand * kick[0], scale * kick[1])}
         plants.append(Plant(when(turn.start + step.land), leave, x, y, heading, **how))
     return plants
 

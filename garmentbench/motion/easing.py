@@ -1,6 +1,7 @@
 """Smooth steps, from which motions are put together."""
 
 import numpy as np
+from scipy.ndimage import convolve1d, maximum_filter1d
 
 
 def smoothstep(u: np.ndarray | float) -> np.ndarray:
@@ -37,3 +38,10 @@ def eased(knots: list[tuple[float, float]], t: np.ndarray) -> np.ndarray:
         if high != low:
             total += (high - low) * smoothstep((t - start) / (stop - start))
     return total
+
+
+def smooth_maximum(values: np.ndarray, width: int) -> np.ndarray:
+    """A smooth path that is nowhere below `values` or 0, and 0 where no value near is above: their maximum over a window
+    of `width`, an odd number, averaged over the same window with weights that sum to 1; shape (T,)."""
+    window = np.hanning(width + 2)[1:-1]
+    return convolve1d(maximum_filter1d(np.maximum(values, 0.0), width), window / window.sum(), mode="nearest")

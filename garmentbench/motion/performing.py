@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import BPoly, CubicSpline
-from scipy.ndimage import convolve1d, gaussian_filter1d, maximum_filter1d
+from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 
 from garmentbench.bodies import BakedBody
 from garmentbench.motion.bearing import bear_arm, bear_trunk
-from garmentbench.motion.easing import smoothstep
+from garmentbench.motion.easing import smooth_maximum, smoothstep
 from garmentbench.motion.foot import pitch_up
 from garmentbench.motion.legs import rest_leg, solve_leg
 from garmentbench.motion.score import NEUTRAL, Bearing, Score, filled
@@ -64,17 +64,16 @@ def _paths(baked: BakedBody, score: Score, end: float) -> _Paths:
     bearing = filled(score.bearing(t), t.shape)
     left, begun = _weight_on_left(score, t), smoothstep(t / _BEGINS)
     bearing |= {
-        "sway": begun * bearing["sway"] + score.hips.out * left,
-        "surge": begun * bearing["surge"],
+        "sway": bearing["sway"] + score.hips.out * left,
         "list": bearing["list"] - score.hips.up * left,
         "turn": bearing["turn"] + score.hips.turn * left,
     }
     heading = gaussian_filter1d(0.5 * (feet["L"].turn + feet["R"].turn), score.smooth * RATE, mode="nearest")
-    root = _over_feet(baked, score, feet, bearing, heading)
+    root = baked.joints[0] + begun[:, None] * (_over_feet(baked, score, feet, bearing, heading) - baked.joints[0])
     times, knots = zip(*score.height)
     wanted = baked.joints[0, 2] + BPoly.from_derivatives(times, [list(knot) for knot in knots])(np.clip(t, times[0], times[-1]))
     root[:, 2] = wanted
-    root[:, 2] -= _lowered(wanted - _highest(baked, feet, bearing, heading, root, t))
+    root[:, 2] -= smooth_maximum(wanted - _highest(baked, feet, bearing, heading, root, t), 2 * round(_REACHING * RATE) + 1)
     return _Paths(t, feet, bearing, heading, root)
 
 
@@ -117,14 +116,6 @@ def _highest(
         reach = stretch * rest_leg(baked, side).reach
         heights.append(path.ankle[:, 2] + np.sqrt(np.maximum(reach**2 - np.sum(across**2, axis=1), 0.0)) - hip[:, 2])
     return np.min(heights, axis=0)
-
-
-def _lowered(excess: np.ndarray) -> np.ndarray:
-    """A smooth path that is nowhere below `excess`, and 0 where no excess is near: its maximum over a window, averaged
-    over the same window with weights that sum to 1; shape (T,)."""
-    width = 2 * round(_REACHING * RATE) + 1
-    window = np.hanning(width + 2)[1:-1]
-    return convolve1d(maximum_filter1d(np.maximum(excess, 0.0), width), window / window.sum(), mode="nearest")
 
 
 def _sampled(paths: _Paths, seconds: np.ndarray) -> _Paths:

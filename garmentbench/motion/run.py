@@ -9,7 +9,7 @@ from garmentbench.motion.score import Bearing, Hips, Score
 from garmentbench.motion.steps import ALWAYS, GRAVITY, Plant
 from garmentbench.motion.variation import drift, hurry
 
-_BEGIN = 0.6  # the first foot lands [s]
+_BEGIN = 0.78  # the first foot lands [s]
 _PERIOD = 0.72  # two steps [s]
 _CONTACT = 0.22  # a foot is on the ground [s]
 _STRIDE = 1.8  # [m] in two steps, of the base body
@@ -59,14 +59,13 @@ def _plants(
 
 def _height(scale: float, lands: np.ndarray, contact: np.ndarray) -> list[tuple[float, tuple[float, float, float]]]:
     """Parabolas of free flight, joined smoothly on the ground."""
-    walking = (-0.05 * scale, 0.0, 0.0)
-    knots = [(0.0, (0.0, 0.0, 0.0)), (_BEGIN, walking), (lands[_STARTING - 1] - 0.1, walking)]
-    off, on = scale * _OFF, scale * _ON
-    for k in range(_STARTING - 1, len(lands) - 1):
+    knots = [(0.0, (0.0, 0.0, 0.0)), (_BEGIN, (-0.05 * scale, 0.0, 0.0))]
+    for k in range(1, len(lands) - 1):
         leave = lands[k] + contact[k]
         flight = lands[k + 1] - leave
-        speed = (on - off) / flight + 0.5 * GRAVITY * flight
-        knots += [(leave, (off, speed, -GRAVITY)), (lands[k + 1], (on, speed - GRAVITY * flight, -GRAVITY))]
+        off, fall = scale * _OFF, scale * (_OFF - _ON) / (_PERIOD / 2 - _CONTACT)  # [m], [m/s]
+        speed = 0.5 * GRAVITY * flight - fall
+        knots += [(leave, (off, speed, -GRAVITY)), (lands[k + 1], (off - fall * flight, speed - GRAVITY * flight, -GRAVITY))]
     return knots
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.interpolate import BPoly
 from scipy.ndimage import gaussian_filter1d
 
-from garmentbench.motion.easing import eased, smoothstep
+from garmentbench.motion.easing import eased, smooth_maximum, smoothstep
 from garmentbench.motion.tread import Tread
 
 _SETTLE = 0.14  # seconds in which a foot that has landed comes down flat, at most
@@ -14,6 +14,7 @@ _PEEL = 0.30  # ... in which it comes off the floor, heel first, at most
 _AFTER = 0.04  # ... for which it goes on rolling after it has left
 _NUDGE = 1e-3  # ... over which a path's speed is measured
 _BLUR = 1.5  # a foot's contact jumps from vertex to vertex: its height is smoothed over so many times
+_WINDOW = 9  # ... and raised by what it then lacks within so many times
 GRAVITY = 9.81  # [m/s^2]
 ALWAYS = 1e6  # ... from the first to the last
 
@@ -24,7 +25,7 @@ class Plant:
 
     Attributes:
         land, leave: When it comes down and goes off.
-        x, y: The ankle's place when the foot is flat.
+        x, y: The ankle's place when the foot is flat; midway through a pivot.
         turn: Its heading when it lands, to the left of the rest pose's.
         pivot: It turns so far to the left on its ball while it stands.
         strike: Pitch at which it lands; toes up, or toes down where negative.
@@ -95,15 +96,14 @@ def foot_path(tread: Tread, side: str, plants: list[Plant], t: np.ndarray, shift
         if after.hop:
             lift[on] += 0.5 * GRAVITY * (t[on] - before.leave) * (after.land - t[on])
     bend = np.maximum(-pitch, 0.0) * (1 - smoothstep(air / 0.3) * smoothstep((1 - air) / 0.3))
-    ankle[:, 2] = _smooth(tread.height(pitch, bend) + lift, pitch, air)
+    ankle[:, 2] = _smooth(tread.height(pitch, bend) + lift)
     return FootPath(ankle, turn, pitch, bend, stands)
 
 
-def _smooth(needed: np.ndarray, pitch: np.ndarray, air: np.ndarray) -> np.ndarray:
-    """A smooth height of the ankle, whose rolling foot is nowhere below the floor; the flat foot stands as at rest."""
+def _smooth(needed: np.ndarray) -> np.ndarray:
+    """A smooth height of the ankle at which the rolling foot is nowhere below the floor."""
     smooth = gaussian_filter1d(needed, _BLUR, mode="nearest")
-    sunk_in = np.max((needed - smooth)[air == 0])
-    return smooth + sunk_in * smoothstep(np.abs(pitch) / np.radians(5))
+    return smooth + smooth_maximum(needed - smooth, _WINDOW)
 
 
 def _pitch(plants: list[Plant], t: np.ndarray) -> np.ndarray:
@@ -134,8 +134,8 @@ def _turn(plants: list[Plant], t: np.ndarray) -> np.ndarray:
 def _stance(tread: Tread, side: str, plant: Plant, plants: list[Plant], t: np.ndarray) -> np.ndarray:
     """The ankle over the floor [m], shape (T, 2): it rolls over the sole and turns about the ball."""
     ball = tread.ball * ([1, 1] if side == "L" else [-1, 1])
-    landed, now = np.radians(plant.turn), _turn(plants, t)
-    centre = np.array([plant.x, plant.y]) + _turned(ball, landed)
+    midway, now = np.radians(plant.turn + 0.5 * plant.pivot), _turn(plants, t)
+    centre = np.array([plant.x, plant.y]) + _turned(ball, midway)
     forward = np.stack([np.zeros_like(t), -tread.rolled(_pitch(plants, t))], axis=-1)
     return centre + _turned(forward - ball, now)
 

@@ -15,7 +15,7 @@ def still_score(baked: BakedBody, _: float) -> Score:
     feet = [baked.joints[baked.joint_names.index(f"foot.{side}")] for side in "LR"]
     plants = [[Plant(-ALWAYS, ALWAYS, foot[0], foot[1])] for foot in feet]
     low = (-0.012, 0.0, 0.0)
-    return Score(*plants, height=[(0.0, (0.0, 0.0, 0.0)), (1.0, low), (2.0, low)], bearing=_bearing, hips=Hips(0.0, 0.0))
+    return Score(*plants, height=[(0.0, (0.0, 0.0, 0.0)), (0.4, low), (1.0, low)], bearing=_bearing, hips=Hips(0.0, 0.0))
 
 
 def _bearing(t: np.ndarray) -> Bearing:

@@ -9,11 +9,13 @@ from garmentbench.bodies import body_names, joint_positions, load_body, pose, po
 from garmentbench.errors import UsageError
 
 SIZES = {"small": 3502, "full": 13348}
-BODIES = [(name, size) for name in ("base", "slim", "heavy") for size in SIZES]
+NAMES = ("base", "slim", "heavy", "tall", "short")
+BODIES = [(name, size) for name in NAMES for size in SIZES]
+HEIGHTS = {"tall": 1.95, "short": 1.67}  # the others: 1.84
 
 
 def test_names():
-    assert body_names() == ["base", "heavy", "slim"]
+    assert set(body_names()) >= set(NAMES)  # and your own
 
 
 @pytest.mark.parametrize("name, size", BODIES)
@@ -25,7 +27,7 @@ def test_mesh_is_closed_manifold_and_outward(name, size):
     assert (uses == 2).all() and mesh.is_winding_consistent
     assert mesh.euler_number == 2 and mesh.body_count == 1
     assert 0.055 < mesh.volume < 0.09  # cubic metres, positive for outward faces
-    assert abs(body.rest[:, 2].min()) < 1e-4 and 1.7 < np.ptp(body.rest[:, 2]) < 1.9
+    assert abs(body.rest[:, 2].min()) < 1e-4 and abs(np.ptp(body.rest[:, 2]) - HEIGHTS.get(name, 1.84)) < 0.01
 
 
 @pytest.mark.parametrize("name, size", BODIES)
@@ -53,8 +55,8 @@ def test_labels_lie_where_they_say():
 
 @pytest.mark.parametrize("size", SIZES)
 def test_shapes_share_all_but_their_form(size):
-    base, slim, heavy = (load_body(name, size) for name in ("base", "slim", "heavy"))
-    for other in (slim, heavy):
+    base, slim, heavy, tall, short = (load_body(name, size) for name in NAMES)
+    for other in (slim, heavy, tall, short):
         np.testing.assert_array_equal(other.body.faces, base.body.faces)
         np.testing.assert_array_equal(other.body.labels, base.body.labels)
         np.testing.assert_array_equal(other.weights, base.weights)
