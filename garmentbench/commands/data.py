@@ -62,9 +62,12 @@ def _in_parallel(names: list[str], size: "Preset", workers: int) -> list[Path]:
     from garmentbench.making import make_sequence
     from garmentbench.scene import load_scene
 
-    jobs = [Job((name,), f"simulate {name}", make_sequence, arguments=(name, size), cost=load_scene(name).frames) for name in names]
-    results = run_jobs({job.key: job for job in jobs}, workers).values()
+    jobs = [
+        Job((name,), f"simulate {name}", make_sequence, arguments=(name, size), cost=load_scene(name).frames) for name in names
+    ]
+    made = run_jobs({job.key: job for job in jobs}, workers)
+    results = [made[job.key] for job in jobs]
     failed = [result for result in results if isinstance(result, Failure)]
     if failed:
         raise UserError(f"{len(failed)} of {len(jobs)} failed, the first: {failed[0].label}: {failed[0].message}")
-    return list(results)
+    return results
