@@ -6,10 +6,11 @@ from evals.baselines import BASELINES
 from evals.convergence import STUDY as CONVERGENCE
 from evals.crosscheck import STUDY as CROSSCHECK
 from evals.experiment import Experiment
+from evals.motions import STUDY as MOTIONS
 from evals.stability import STABILITY
 from evals.stick import STICK
 from evals.study import Study
 from evals.wardrobe import WARDROBE
 
 EXPERIMENTS: dict[str, Experiment] = {e.name: e for e in (BASELINES, STICK, *ABLATIONS, *WARDROBE, STABILITY)}
-STUDIES: dict[str, Study] = {s.name: s for s in (CONVERGENCE, CROSSCHECK)}
+STUDIES: dict[str, Study] = {s.name: s for s in (MOTIONS, CONVERGENCE, CROSSCHECK)}

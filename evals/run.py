@@ -44,7 +44,7 @@ class Line:
 def run(names: list[str], preset: Preset, seeds: int, data_only: bool = False) -> None:
     """Compute the named experiments and studies (all experiments, if none is named) and write `reports/<preset>/`.
 
-    Without names a study keeps its place in the report if it is finished, by this code. Raises
+    Without names a study keeps its place in the report if it is finished, by this code; a cheap one is run. Raises
     `UserError` at the end if a job failed; its line is in the tables all the same.
     """
     for name in names:
@@ -52,7 +52,8 @@ def run(names: list[str], preset: Preset, seeds: int, data_only: bool = False) -
             raise unknown_name("experiment", name, [*EXPERIMENTS, *STUDIES])
     work.require_device(preset)
     experiments = [EXPERIMENTS[name] for name in names or EXPERIMENTS if name in EXPERIMENTS]
-    studies = [STUDIES[name] for name in names if name in STUDIES and not data_only]
+    wanted = [s for s in STUDIES.values() if s.name in names or (s.always and not names)]
+    studies = [] if data_only else wanted
     for study in studies:
         study.require()
     lines = [line for experiment in experiments for line in _lines(experiment, seeds)]
@@ -68,7 +69,7 @@ def run(names: list[str], preset: Preset, seeds: int, data_only: bool = False) -
         if names:
             rows = merged(path, rows, [study.name for study in studies])
         else:
-            rows += [row for study in STUDIES.values() for row in finished_rows(study, preset)]
+            rows += [row for study in STUDIES.values() if study not in studies for row in finished_rows(study, preset)]
         write_results(path, rows)
         from garmentbench.report import make_report  # matplotlib is not for the workers
 

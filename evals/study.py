@@ -19,6 +19,7 @@ class Study:
         rows: Its rows of results.csv, of a preset and the jobs' results (a run's id or a `Failure`).
         runs: The id of the run that each job makes, by the job's key, without making it.
         require: Raises `UserError` where something that it needs is not there.
+        always: It is cheap, and runs with the experiments when nothing is named.
     """
 
     name: str
@@ -26,6 +27,7 @@ class Study:
     rows: Callable[[Preset, dict[tuple, Any]], list[dict]]
     runs: Callable[[Preset], dict[tuple, str]]
     require: Callable[[], None] = lambda: None
+    always: bool = False
 
 
 def finished_rows(study: Study, preset: Preset) -> list[dict]:

@@ -5,7 +5,6 @@ from pathlib import Path
 
 from garmentbench.atomic import written_whole
 from garmentbench.errors import UserError
-from garmentbench.report.convergence import CONVERGENCE
 from garmentbench.report.datacards import DATA, FOLDER, card_files, cards_in
 from garmentbench.report.material import FILE, read_material
 from garmentbench.report.page import Ended, Section, page
@@ -26,7 +25,7 @@ def make_report(preset: str, reports_root: Path, runs_root: Path) -> Path:
     Raises:
         UserError: results.csv is missing or wrong, or runs that it names are missing; nothing is changed then.
     """
-    from garmentbench.report.pictures import convergence_pictures, pictures_of  # Matplotlib and Warp: not for those who only write material
+    from garmentbench.report.pictures import all_pictures  # Matplotlib and Warp: not for those who only write material
 
     folder = reports_root / preset
     results = read_results(folder / "results.csv")
@@ -43,7 +42,7 @@ def make_report(preset: str, reports_root: Path, runs_root: Path) -> Path:
     for table, its_lines in all_tables(results):
         made |= {f"tables/{table.name}.{form}": write(table).encode() for form, write in FORMS.items()}
         ran = [line for line in its_lines if line.run_ids]
-        pictures = convergence_pictures(results) if table.name == CONVERGENCE else pictures_of(table.name, ran, materials)
+        pictures = all_pictures(table.name, results, ran, materials, runs_root)
         made |= {picture.path: data for picture, data in pictures}
         sections.append(Section(table, [picture for picture, _ in pictures], list(cards) if table.name == DATA else []))
     made["index.html"] = page(preset, sections, _ended(found, records), _machines(records)).encode()

@@ -1,10 +1,13 @@
 """Which pictures go with which table."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from garmentbench.report.convergence import CONVERGENCE, studies
 from garmentbench.report.convergence_plot import convergence_plot
 from garmentbench.report.crosscheck import CROSSCHECK
+from garmentbench.report.motions import MOTIONS, read_points
+from garmentbench.report.motions_plot import motions_plot
 from garmentbench.report.page import Picture
 from garmentbench.report.plots import error_against_time, error_over_frames
 from garmentbench.report.results import Line
@@ -31,12 +34,28 @@ STEPS = (
     "Difference from the finest run against substeps (left) and run time (right); lines: what another start and a finer mesh "
     "change, and a third of the full model's error. The star is the chosen setting."
 )
+MAP = "Poses of all motions, nearest ones side by side (t-SNE). Large: what methods are trained on."
 ENGINES = "Frames of {scene}: the reference above, below it the other engine, coloured by how far they are apart."
+
+
+def all_pictures(
+    name: str, results: "pandas.DataFrame", lines: list[Line], materials: dict[str, "Material"], runs_root: Path
+) -> list[tuple[Picture, bytes]]:
+    """The pictures that go with the table of that name, whose lines with runs are given."""
+    if name == CONVERGENCE:
+        return convergence_pictures(results)
+    return motions_pictures(results, runs_root) if name == MOTIONS else pictures_of(name, lines, materials)
 
 
 def convergence_pictures(results: "pandas.DataFrame") -> list[tuple[Picture, bytes]]:
     """The convergence study's plot, from results.csv alone: it shows the full model's error too."""
     return [(Picture(f"plots/{CONVERGENCE}.svg", STEPS), convergence_plot(studies(results)))]
+
+
+def motions_pictures(results: "pandas.DataFrame", runs_root: Path) -> list[tuple[Picture, bytes]]:
+    """The map of motions, from its run; none where it failed."""
+    points = read_points(results, runs_root)
+    return [(Picture(f"plots/{MOTIONS}.svg", MAP), motions_plot(points))] if points else []
 
 
 def pictures_of(name: str, lines: list[Line], materials: dict[str, "Material"]) -> list[tuple[Picture, bytes]]:

@@ -9,6 +9,7 @@ from garmentbench.report.cells import ABSENT, best, number, paper_cell, status_c
 from garmentbench.report.convergence import CONVERGENCE, convergence_table, studies, trust_table
 from garmentbench.report.crosscheck import CROSSCHECK, crosscheck_table
 from garmentbench.report.datacards import DATA, cards_in, data_table
+from garmentbench.report.motions import MOTIONS, motions_table
 from garmentbench.report.results import REFERENCE, Line, Value, lines
 from garmentbench.report.table import Cell, Table
 
@@ -40,6 +41,7 @@ NAMES = {  # of the experiments, in the report's order; others follow under thei
     "table3": "Wardrobe",
     "table4": "Training length",
     STABILITY: "Stress ladder",
+    MOTIONS: "Motions",
     CONVERGENCE: "Convergence of the reference",
     CROSSCHECK: "Cross-check",
 }
@@ -76,6 +78,9 @@ def all_tables(results: "pandas.DataFrame") -> list[tuple[Table, list[Line]]]:
             continue
         if experiment == CROSSCHECK:
             made.append((crosscheck_table(found), found))
+            continue
+        if experiment == MOTIONS:
+            made.append((motions_table(results), found))
             continue
         for scene in dict.fromkeys(line.scene for line in found):
             on_scene = [line for line in found if line.scene == scene]
