@@ -31,7 +31,7 @@ def hull_radius(points: np.ndarray, faces: np.ndarray, heights: np.ndarray, angl
     toward = np.column_stack([np.cos(angles), np.sin(angles)])
     radius = np.empty((len(heights), len(angles)))
     for row, z in enumerate(heights):
-        crossing = (a[:, 2] - z) * (b[:, 2] - z) < 0
+        crossing = (a[:, 2] < z) != (b[:, 2] < z)
         low, high = a[crossing], b[crossing]
         share = (z - low[:, 2]) / (high[:, 2] - low[:, 2])
         sides = ConvexHull((low + share[:, None] * (high - low))[:, :2] - AXIS).equations

@@ -1,0 +1,131 @@
+"""Baking garments: even meshes in the plane, panels that meet, and skirts that are remade as they lie in datasets/."""
+
+import sys
+
+import numpy as np
+import pytest
+
+from garmentbench.paths import GARMENTS, ROOT
+
+
+@pytest.fixture(autouse=True, scope="module")
+def bake_folder():
+    """datasets/bake on the path: its scripts import each other by name."""
+    sys.path.insert(0, str(ROOT / "datasets" / "bake"))
+    yield
+    sys.path.remove(str(ROOT / "datasets" / "bake"))
+
+
+def circle(count: int, radius: float) -> np.ndarray:
+    angle = 2 * np.pi * np.arange(count) / count
+    return radius * np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+def grid_tube(rows: int, columns: int, radius: float, height: float) -> tuple[np.ndarray, np.ndarray]:
+    from tube import grid_faces
+
+    ring = circle(columns, radius)
+    points = np.concatenate([np.column_stack([ring, np.full(columns, z)]) for z in np.linspace(height, 0, rows)])
+    number = np.arange(rows * columns).reshape(rows, columns)
+    return points, grid_faces(np.concatenate([number, number[:, :1]], axis=1))
+
+
+def angles(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Angles of triangles in degrees, shape (F, 3)."""
+    corners = points[faces]
+    a, b = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
+    return np.degrees(np.arccos((a * b).sum(-1) / np.linalg.norm(a, axis=-1) / np.linalg.norm(b, axis=-1)))
+
+
+def test_grid_faces_point_outwards():
+    points, faces = grid_tube(4, 12, 0.2, 0.3)
+    a, b, c = points[faces].transpose(1, 0, 2)
+    outward = (a + b + c)[:, :2]
+    assert (np.einsum("fx,fx->f", np.cross(b - a, c - a)[:, :2], outward) > 0).all()
+
+
+def test_hull_radius_of_a_tube_is_its_radius_and_never_shrinks_downwards():
+    from tube import AXIS, hull_radius
+
+    points, faces = grid_tube(31, 180, 0.2, 0.3)
+    points[:, 2] += 1.0
+    points[:, :2] *= (0.5 + (points[:, 2:] - 1.0) / 0.6)  # a cone that gets narrower downwards
+    radius = hull_radius(points + [*AXIS, 0], faces, np.array([1.295, 1.15, 1.005]), np.linspace(0, 6, 7))
+    np.testing.assert_allclose(radius[0], 0.2 * (0.5 + 0.295 / 0.6), rtol=1e-3)
+    np.testing.assert_array_equal(radius[1:], radius[:1].repeat(2, axis=0))
+
+
+def test_a_disk_is_meshed_evenly():
+    from lattice import evened, triangles
+
+    outline = circle(63, 1.0)  # edges of 0.1
+    inner = np.random.default_rng(0).uniform(-1, 1, (400, 2))
+    inner = evened(outline, inner[np.linalg.norm(inner, axis=1) < 0.93])
+    plane = np.concatenate([outline, inner])
+    faces = triangles(plane, len(outline))
+    assert angles(plane, faces).min() > 25
+    a, b, c = plane[faces].transpose(1, 2, 0)
+    area = ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])) / 2
+    assert area.min() > 0
+    assert area.sum() == pytest.approx(63 / 2 * np.sin(2 * np.pi / 63), rel=1e-9)  # the polygon's, no more and no less
+
+
+def test_triangles_stay_within_a_notched_outline():
+    from lattice import triangles
+
+    outline = np.array([[0, 0], [1, 0], [2, 0], [2, 1], [2, 2], [1.5, 1], [1, 0.5], [0.5, 1], [0, 2], [0, 1]], float)
+    faces = triangles(outline, len(outline))
+    a, b, c = outline[faces].transpose(1, 2, 0)
+    shoelace = outline[:, 0] @ np.roll(outline[:, 1], -1) - outline[:, 1] @ np.roll(outline[:, 0], -1)
+    assert ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).sum() == pytest.approx(shoelace)
+
+
+def test_panels_of_a_tube_meet_in_the_same_points():
+    from fitting import joined_points
+    from lattice import flat_panel, mesh, size
+
+    points, faces = grid_tube(16, 60, 0.2, 0.3)
+    level = -points[:, 1] - 1e-3
+    panels = [flat_panel(points, faces, sign * level, points) for sign in (1, -1)]
+    front, back = (mesh(panel, 0.03) for panel in panels)
+    assert [len(front.points), len(back.points)] == [size(panel, 0.03) for panel in panels]
+    place = joined_points(front, back)
+    joined = np.flatnonzero(place != np.arange(len(place)))
+    assert len(joined) == 2 * (10 + 1)  # two seams of 30 cm
+    both = np.concatenate([front.points, back.points])
+    np.testing.assert_allclose(both[joined], both[place[joined]], atol=1e-9)
+    flat, curved = (np.linalg.norm(x[front.faces] - np.roll(x[front.faces], 1, axis=1), axis=2) for x in (front.flat, front.points))
+    np.testing.assert_allclose(flat, curved, rtol=0.05)  # half a tube is laid flat without stretching it
+
+
+@pytest.mark.parametrize("size", ["smoke", "laptop"])
+def test_the_pleated_skirt_is_remade(size):
+    from bake_pleated_skirt import SIZES, pleated
+
+    made = pleated(SIZES[size])
+    with np.load(GARMENTS / f"pleated_skirt-{size}.npz") as stored:
+        np.testing.assert_allclose(made["rest"], stored["rest"], atol=1e-5)
+        for key in ("faces", "seams", "pins"):
+            np.testing.assert_array_equal(made[key], stored[key])
+
+
+def test_pleats_are_as_deep_as_the_cloth_allows():
+    """Flat cloth of 1.5 m round a circle of 1 m: each side of a pleat keeps its length."""
+    from bake_pleated_skirt import PLEATS, fold_depth
+
+    around, width = np.array([1.0]), np.array([1.5])
+    depth = fold_depth(around, width)[0]
+    along = (1.0 + np.pi * depth) / (2 * PLEATS)  # half way out
+    assert np.hypot(depth, along) == pytest.approx(1.5 / (2 * PLEATS))
+    assert fold_depth(around, around)[0] == pytest.approx(0)
+
+
+def test_the_over_skirt_bakes_the_same_twice():
+    from bake_over_skirt import fine_over_skirt
+    from fitting import Cloth, body_skin
+
+    skin, fine = body_skin(), fine_over_skirt("smoke")
+    once, twice = (Cloth(*fine).fit(skin, 400) for _ in range(2))
+    for key, values in once.items():
+        np.testing.assert_array_equal(values, twice[key])
+    assert len(once["rest"]) == pytest.approx(400, rel=0.03)
