@@ -19,6 +19,7 @@ import warp as wp
 
 from garmentbench.geometry.mesh import border_vertices
 from garmentbench.geometry.side import side
+from garmentbench.geometry.triangle import distance_to_face
 
 _FARTHEST = 1e4  # [m] search radius: everything
 
@@ -43,12 +44,13 @@ def signed_distances(garment: np.ndarray, body: np.ndarray, body_faces: np.ndarr
         points = wp.array(body[0], dtype=wp.vec3)
         mesh = wp.Mesh(points, wp.array(body_faces.ravel(), dtype=wp.int32))
         distances = wp.empty(garment.shape[1], dtype=float)
+        near = wp.full(garment.shape[1], -1, dtype=int)
         ends, closed = wp.array(border, dtype=int), not border.any()
         for t in range(len(out)):
             points.assign(body[t])
             mesh.refit()
             points_now = wp.array(garment[t], dtype=wp.vec3)
-            wp.launch(_query, len(distances), [mesh.id, len(body_faces), ends, closed, points_now], [distances])
+            wp.launch(_query, len(distances), [mesh.id, len(body_faces), ends, closed, points_now, near], [distances])
             out[t] = distances.numpy()
     return out
 
@@ -86,11 +88,17 @@ def _query(
     border: wp.array(dtype=int),
     closed: bool,
     points: wp.array(dtype=wp.vec3),
+    near: wp.array(dtype=int),
     distances: wp.array(dtype=float),
 ):
+    """near: the nearest face in the frame before, which bounds the search; -1: not known."""
     i = wp.tid()
-    hit = wp.mesh_query_point_sign_normal(mesh, points[i], _FARTHEST, 1.0e-3)
-    again = wp.mesh_query_point_sign_normal(mesh, points[i], _FARTHEST, 1.0e-5)
+    reach = float(_FARTHEST)
+    if near[i] >= 0:
+        reach = 1.01 * distance_to_face(mesh, near[i], points[i]) + 1.0e-3
+    hit = wp.mesh_query_point_sign_normal(mesh, points[i], reach, 1.0e-3)
+    again = wp.mesh_query_point_sign_normal(mesh, points[i], reach, 1.0e-5)
+    near[i] = hit.face
     at = wp.mesh_eval_position(mesh, hit.face, hit.u, hit.v)
     sign = side(mesh, border, hit, points[i] - at)
     if closed and hit.sign != again.sign:

@@ -98,8 +98,10 @@ def find_contacts(mesh: wp.uint64, s: Surface, near: wp.array(dtype=int), c: Clo
     if c.pinned[i] == 0:
         x = c.x[i]
         reach = float(FAR)
+        if h.distance[i] > 0.0:
+            reach = wp.min(h.distance[i], FAR)  # outside of another surface, what is farther does not count
         if near[i] >= 0:
-            reach = wp.min(distance_to_face(mesh, near[i], x) + SLACK, FAR)
+            reach = wp.min(distance_to_face(mesh, near[i], x) + SLACK, reach)
         q = wp.mesh_query_point_sign_normal(mesh, x, reach)
         near[i] = -1
         if q.result:

@@ -15,7 +15,7 @@ from garmentbench.geometry.triangle import nearest_weights
 from garmentbench.simulation.assembly import Fabric
 from garmentbench.simulation.kernels import Cloth, Contact, Physics
 
-MARGIN = wp.constant(0.01)  # [m] what is farther than this and the thickness can't meet before the next query
+MARGIN = wp.constant(0.007)  # [m] what is farther than this and the thickness is not looked at until the next query
 REST_SHARE = wp.constant(0.5)  # of its distance at rest is all that a face is kept away: cloth may lie close by its cut
 OPPOSITE = wp.constant(-0.5)  # normals of the same face before and after, whose product is less: on the other side
 
