@@ -8,6 +8,7 @@ from scipy.spatial import cKDTree
 from garmentbench.bodies import load_body
 from garmentbench.errors import UsageError
 from garmentbench.garments import garment_names, load_garment
+from garmentbench.geometry.mesh import edge_lengths, unique_edges
 from garmentbench.metrics.interpenetration_strict import signed_distances
 from garmentbench.motion.stick import HEIGHT, RADIUS, stick
 from garmentbench.paths import GARMENTS
@@ -215,3 +216,15 @@ def test_sheet_hangs_tangent_to_the_stick(size):
     off_axis = np.linalg.norm(pins[:, 1:] - [0, HEIGHT], axis=1)
     assert (off_axis < RADIUS + 0.01).all()
     assert len(garment.pins) == len(np.unique(garment.rest[:, 0])) and np.ptp(garment.rest[:, 1]) == 0
+
+
+@pytest.mark.parametrize("name", COUNTS)
+def test_card_says_what_the_files_hold(name):
+    card = (GARMENTS / "README.md").read_text().split(f"## {name}\n")[1].split("\n## ")[0]
+    for size in SIZES:
+        garment = load_garment(name, size)
+        mm = edge_lengths(garment.rest, unique_edges(sewn(garment))) * 1e3
+        edges = f"{mm.min():.0f} / {np.median(mm):.0f} / {mm.max():.0f}"
+        assert f"| {size} | {len(garment.rest):,} | {len(garment.faces):,} | {edges} |" in card
+    picture = f"cards/{name}.png"
+    assert picture in card and 0 < (GARMENTS / picture).stat().st_size < 100_000
