@@ -16,6 +16,7 @@ SMALLEST, LARGEST = 0.05, 8.0  # diagonal of a rest shape's bounding box [m]
 SEAM_GAP = 1e-4  # [m] at rest
 SEAM_SPLIT = 0.01  # [m] while moving
 INSIDE_PERCENT = 1.0  # of the garment's vertices in frame 0
+CROSSING_PERCENT = 0.1  # of the garment's faces, mean over frames
 _REPAIR = "repair the mesh where it was made, then make the file again"
 
 Arrays = dict[str, np.ndarray]
@@ -158,3 +159,16 @@ def starts_inside(a: Arrays) -> list[Problem]:
         return []
     what = f"{percent:.1f} % of the garment's vertices lie inside the body, wanted at most {INSIDE_PERCENT:g} %"
     return [Problem(FIRST_FRAME, what, "let the garment settle on the body before recording", warning=True)]
+
+
+def through_itself(a: Arrays) -> list[Problem]:
+    """How much of the garment passes through itself? Looks at every frame: for `check`, not for every reading."""
+    from garmentbench.metrics.self_intersection import crossing_faces, self_intersection
+
+    crossing = crossing_faces(a["garment/frames"], a["garment/faces"], a["garment/seams"])
+    percent, frame = self_intersection(crossing), int(crossing.sum(axis=1).argmax())
+    if percent <= CROSSING_PERCENT:
+        return []
+    what = f"{percent:.2g} % of the faces cross others, most of them ({crossing[frame].sum()}) in frame {frame}"
+    do = "simulate it with self_contact = true under [simulation], or bear it in mind"
+    return [Problem("garment/frames", what, do, warning=True)]

@@ -3,8 +3,9 @@
 from pathlib import Path
 
 from garmentbench import sequence_file
+from garmentbench.array_checks import through_itself
 from garmentbench.atomic import written_whole
-from garmentbench.problem import Problem, ProblemError
+from garmentbench.problem import Problem, ProblemError, errors
 from garmentbench.sequence_checks import hash_problems, value_problems
 
 
@@ -15,7 +16,8 @@ def check_sequence(path: Path) -> list[Problem]:
     except ProblemError as e:
         return [e.problem]
     unusable = frozenset(p.where for p in problems)
-    return problems + value_problems(contents, unusable) + ([] if unusable else hash_problems(contents))
+    problems += value_problems(contents, unusable) + ([] if unusable else hash_problems(contents))
+    return problems if errors(problems) else problems + through_itself(contents.arrays)
 
 
 def picture(path: Path, png: Path) -> None:

@@ -38,8 +38,7 @@ class Check:
         from garmentbench.doctor.reading import is_mesh_file
 
         self._refuse_odd_calls()
-        if self.body or self.picture is not None:
-            quiet_warp()
+        quiet_warp()
         if is_mesh_file(self.file) or self.fix is not None:
             self._check_mesh()
         else:

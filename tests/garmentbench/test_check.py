@@ -1,6 +1,7 @@
 """`check_sequence` says everything that is wrong, where, and what to do."""
 
 import shutil
+from dataclasses import replace
 
 import h5py
 import numpy as np
@@ -126,6 +127,15 @@ def test_a_garment_that_begins_inside_is_warned_of(tmp_path):
     assert problem.where == "frame 0" and problem.warning and "100.0 % of the garment's vertices" in problem.what
     with pytest.warns(UserWarning, match="frame 0"):
         load(tmp_path / "a.h5")
+
+
+def test_cloth_that_passes_through_itself_is_warned_of(tmp_path):
+    sequence = tiny_sequence(10)
+    garment = sequence.garment.copy()
+    garment[4:, :, 1] *= np.linspace(1, -1, garment.shape[1], dtype=np.float32)  # the tube's upper half inside out
+    save(replace(sequence, garment=garment), tmp_path / "twisted.h5")
+    told = [str(p) for p in check_sequence(tmp_path / "twisted.h5") if "cross others" in p.what]
+    assert len(told) == 1 and "25) in frame 6;" in told[0] and "self_contact" in told[0]
 
 
 def test_an_open_body_is_warned_of(tmp_path):
