@@ -40,14 +40,14 @@ def load(path: Path, frames: int | None = None) -> Sequence:
     """Read a sequence, or only its first so many `frames` (the content hash is compared only when all is read).
 
     Raises `UserError`, one line, for a file that is missing, foreign, damaged, of another schema, or that holds what
-    can't be used. Warns of a garment that begins inside the body. `garmentbench.check` tells all that is wrong.
+    can't be used. Warns of an imported garment that begins inside the body. `garmentbench.check` tells all that is wrong.
     """
     contents, problems = read(path, frames)
     if not problems:
         problems = value_problems(contents) + (hash_problems(contents) if frames is None else [])
     _refuse(path, problems)
     for problem in problems:
-        if problem.where == FIRST_FRAME:
+        if problem.where == FIRST_FRAME and "simulation" not in contents.info:  # the card of a simulated one says it
             warnings.warn(f"{path}: {problem}", stacklevel=2)
     return sequence_of(contents)
 
