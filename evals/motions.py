@@ -61,10 +61,9 @@ def _rows(preset: Preset, results: dict) -> list[dict]:
         if isinstance(made, Failure):
             rows.append(failed_row(columns, made))
             continue
+        columns |= {"unit": "cm", "status": OK, "run_id": made}
         measured = RunStore().get(made).results[scene.motion.name]
-        rows += [
-            columns | {"metric": APART + name, "value": cm, "unit": "cm", "status": OK, "run_id": made} for name, cm in measured.items()
-        ]
+        rows += [columns | {"metric": APART + name, "value": cm} for name, cm in measured.items()]
     return rows
 
 

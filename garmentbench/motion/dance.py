@@ -15,6 +15,7 @@ from garmentbench.motion.variation import drift, hurry
 HOME = 0.10  # half the distance of the ankles' lines in a stand [m]
 BEGIN = 0.7  # the first beat [s]
 _LEG = 0.90215  # the base body's leg [m]: steps are as long as a body's legs allow
+LOW = {"lift": 0.02, "push": 18.0, "tuck": 6.0, "strike": 2.0}  # how to step so that the foot hardly leaves the floor
 _BAR = 4  # beats, over which the pace varies
 _DRIFTS = ("space.L", "space.R", "swing.L", "swing.R", "elbow.L", "elbow.R", "bend", "twist")  # by 2 degrees or so
 
@@ -49,7 +50,7 @@ class Phrase:
         beats: Its length.
         steps: In order.
         bearing: Of beats since its start: a smooth function, also a beat before and after the phrase.
-        dips: Knots (beat, metres) of the pelvis' height against the dance's own.
+        dips: Knots (beat, metres) of the pelvis' height against the dance's own, from after beat 0 on.
         end: The stand in which it ends: left [m], forward [m], turned to the left [degrees].
     """
 
@@ -74,7 +75,7 @@ class Dance:
 
 
 @dataclass(frozen=True)
-class _Turn:
+class _Part:
     """A phrase as it is danced: from which beat and stand, mirrored or not, how large."""
 
     phrase: Phrase
@@ -88,7 +89,7 @@ class _Turn:
 def dance_score(dance: Dance, baked: BakedBody, seconds: float) -> Score:
     """The score of a dance that lasts at least so long, for a body."""
     scale = rest_leg(baked, "L").reach / _LEG
-    turns = _order(dance, seconds, scale)
+    parts = _order(dance, seconds, scale)
     paced = np.arange(0.0, seconds + 60.0, 0.01)
 
     def when(beat: float) -> float:
@@ -96,13 +97,13 @@ def dance_score(dance: Dance, baked: BakedBody, seconds: float) -> Score:
 
     level = scale * dance.height
     height = [(0.0, (0.0, 0.0, 0.0)), (BEGIN, (level, 0.0, 0.0))]
-    for turn in turns:
-        dips = turn.phrase.dips
-        height += [(when(turn.start + beat), (level + scale * turn.size * dip, 0.0, 0.0)) for beat, dip in dips]
+    for part in parts:
+        dips = part.phrase.dips
+        height += [(when(part.start + beat), (level + scale * part.size * dip, 0.0, 0.0)) for beat, dip in dips]
     return Score(
-        *(_plants(baked, turns, side, when, scale) for side in "LR"),
+        *(_plants(baked, parts, side, when, scale) for side in "LR"),
         height=[*height, (height[-1][0] + 1.0, height[-1][1])],
-        bearing=lambda t: _bearing(turns, _beats(dance, t)),
+        bearing=lambda t: _bearing(parts, _beats(dance, t)),
         hips=dance.hips,
         shift=dance.shift,
         smooth=dance.smooth,
@@ -115,10 +116,10 @@ def _beats(dance: Dance, t: np.ndarray) -> np.ndarray:
     return even + _BAR * hurry(np.maximum(even, 0.0) / _BAR)
 
 
-def _order(dance: Dance, seconds: float, scale: float) -> list[_Turn]:
+def _order(dance: Dance, seconds: float, scale: float) -> list[_Part]:
     """Phrases until the end: round after round of all of them, none twice in succession."""
     chance = np.random.default_rng(dance.seed)
-    turns, deck, last = [], [], -1
+    parts, deck, last = [], [], -1
     start, place, heading = 0.0, np.zeros(2), 0.0
     while BEGIN + dance.beat * (start - 16) < seconds:
         if not deck:  # all of them, in another order
@@ -126,44 +127,44 @@ def _order(dance: Dance, seconds: float, scale: float) -> list[_Turn]:
             deck = deck if deck[0] != last else deck[::-1]
         last = deck.pop(0)
         phrase, mirror, size = dance.phrases[last], bool(chance.integers(2)), float(chance.uniform(0.85, 1.08))
-        turns.append(_Turn(phrase, start, place, heading, mirror, size))
+        parts.append(_Part(phrase, start, place, heading, mirror, size))
         left, forward, turned = phrase.end
         hand = -1.0 if mirror else 1.0
         place = place + _turned(scale * size * np.array([hand * left, -forward]), heading)
         start, heading = start + phrase.beats, heading + hand * turned
-    return turns
+    return parts
 
 
-def _plants(baked: BakedBody, turns: list[_Turn], side: str, when: Callable[[float], float], scale: float) -> list[Plant]:
+def _plants(baked: BakedBody, parts: list[_Part], side: str, when: Callable[[float], float], scale: float) -> list[Plant]:
     """A foot's plants, the first of them in the rest pose."""
-    own = [(turn, step) for turn in turns for step in turn.phrase.steps if (step.side == side) != turn.mirror]
-    leaves = [when(turn.start + step.land - step.take) for turn, step in own] + [ALWAYS]
+    own = [(part, step) for part in parts for step in part.phrase.steps if (step.side == side) != part.mirror]
+    leaves = [when(part.start + step.land - step.take) for part, step in own] + [ALWAYS]
     rest = baked.joints[baked.joint_names.index(f"foot.{side}")]
     out = scale * HOME * np.sign(rest[0])
     plants = [Plant(-ALWAYS, leaves[0], rest[0], rest[1])]
-    for (turn, step), leave in zip(own, leaves[1:]):
-        hand = -1.0 if turn.mirror else 1.0
-        heading = turn.heading + hand * step.turn
-        to = scale * turn.size * np.array([hand * step.left, -step.forward])
+    for (part, step), leave in zip(own, leaves[1:]):
+        hand = -1.0 if part.mirror else 1.0
+        heading = part.heading + hand * step.turn
+        to = scale * part.size * np.array([hand * step.left, -step.forward])
         how = dict(step.how)
         pivot, kick = hand * how.pop("pivot", 0.0), how.pop("kick", (0.0, 0.0))
-        x, y = turn.place + _turned(to + [out, 0.0], heading + 0.5 * pivot)
+        x, y = part.place + _turned(to + [out, 0.0], heading + 0.5 * pivot)
         how |= {"pivot": pivot, "kick": (scale * hand * kick[0], scale * kick[1])}
-        plants.append(Plant(when(turn.start + step.land), leave, x, y, heading, **how))
+        plants.append(Plant(when(part.start + step.land), leave, x, y, heading, **how))
     return plants
 
 
-def _bearing(turns: list[_Turn], beats: np.ndarray) -> Bearing:
-    """All channels at given beats: phrases dissolve into one another over a beat; the first comes out of an easy stand in two."""
+def _bearing(parts: list[_Part], beats: np.ndarray) -> Bearing:
+    """All channels at given beats. Phrases dissolve into one another over a beat, the first out of an easy stand over two."""
     total = {name: np.full(len(beats), rest) for name, rest in NEUTRAL.items()}
-    for turn in turns:
-        b = beats - turn.start
-        share = smoothstep(b + 0.5 if turn.start else (b + 1) / 2) * smoothstep(turn.phrase.beats + 0.5 - b)
+    for part in parts:
+        b = beats - part.start
+        share = smoothstep(b + 0.5 if part.start else (b + 1) / 2) * smoothstep(part.phrase.beats + 0.5 - b)
         on = share > 0
-        own = turn.phrase.bearing(b[on])
-        own = filled(mirrored(own) if turn.mirror else own, (on.sum(),))
+        own = part.phrase.bearing(b[on])
+        own = filled(mirrored(own) if part.mirror else own, (on.sum(),))
         for name, rest in NEUTRAL.items():
-            total[name][on] += share[on] * turn.size * (own[name] - rest)
+            total[name][on] += share[on] * part.size * (own[name] - rest)
     for k, name in enumerate(_DRIFTS):
         total[name] += 2.0 * smoothstep(beats) * drift(beats / _BAR, k)
     return total

@@ -45,3 +45,13 @@ def smooth_maximum(values: np.ndarray, width: int) -> np.ndarray:
     of `width`, an odd number, averaged over the same window with weights that sum to 1; shape (T,)."""
     window = np.hanning(width + 2)[1:-1]
     return convolve1d(maximum_filter1d(np.maximum(values, 0.0), width), window / window.sum(), mode="nearest")
+
+
+def wave(u: np.ndarray, period: float, late: float = 0.0) -> np.ndarray:
+    """A sine of that period, which rises through 0 at u = `late`."""
+    return np.sin(2 * np.pi * (u - late) / period)
+
+
+def between(u: np.ndarray, start: float, stop: float, ease: float = 1.0) -> np.ndarray:
+    """1 from `start` + `ease` to `stop` - `ease`, 0 outside of `start` and `stop`, C2."""
+    return smoothstep((u - start) / ease) * smoothstep((stop - u) / ease)

@@ -97,8 +97,10 @@ def _bearing(jumps: list[_Jump], t: np.ndarray) -> Bearing:
     lean, tilt, swing, elbow = [(0.0, 3.0)], [(0.0, 2.0)], [(0.0, 0.0)], [(0.0, 25.0)]
     for j in jumps:
         bow, bowed = 100 * j.depth, 100 * j.soft
-        lean += [(j.crouch, 3.0), (j.lowest, 3 + bow), (j.off + 0.03, 4.0), (j.on, 5.0), (j.absorbed + 0.05, 3 + 1.2 * bowed), (j.risen, 3.0)]
-        tilt += [(j.crouch, 2.0), (j.lowest, 2 + 1.1 * bow), (j.off + 0.03, 2.0), (j.on, 4.0), (j.absorbed, 2 + bowed), (j.risen, 2.0)]
+        lean += [(j.crouch, 3.0), (j.lowest, 3 + bow), (j.off + 0.03, 4.0), (j.on, 5.0)]
+        lean += [(j.absorbed + 0.05, 3 + 1.2 * bowed), (j.risen, 3.0)]
+        tilt += [(j.crouch, 2.0), (j.lowest, 2 + 1.1 * bow), (j.off + 0.03, 2.0), (j.on, 4.0)]
+        tilt += [(j.absorbed, 2 + bowed), (j.risen, 2.0)]
         swing += [(j.crouch, 0.0), (j.lowest - 0.06, -38.0), (j.off + 0.16, j.arms), (j.absorbed + 0.1, -8.0), (j.risen, 0.0)]
         elbow += [(j.crouch, 25.0), (j.lowest, 22.0), (j.off, 50.0), (j.on, 30.0), (j.absorbed, 50.0), (j.risen, 25.0)]
     bearing = {"lean": eased(lean, t), "tilt": eased(tilt, t)}

@@ -119,7 +119,8 @@ def _pitch(plants: list[Plant], t: np.ndarray) -> np.ndarray:
             knots.append((plant.land, -plant.raised))
         if k < len(plants) - 1:
             gap = plants[k + 1].land - plant.leave
-            knots += [(plant.leave - min(_PEEL, 0.5 * stance), -plant.raised), (plant.leave + min(_AFTER, 0.2 * gap), -plant.push)]
+            knots.append((plant.leave - min(_PEEL, 0.5 * stance), -plant.raised))
+            knots.append((plant.leave + min(_AFTER, 0.2 * gap), -plant.push))
     return np.radians(eased(knots, t))
 
 

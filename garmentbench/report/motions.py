@@ -45,7 +45,10 @@ def _distance(cm: float) -> Cell:
 
 
 def read_points(results: "pandas.DataFrame", runs_root: Path) -> dict[str, tuple[str, np.ndarray]]:
-    """Each motion's split and points on the plane, shape (poses, 2); none where it failed. Raises `UserError` where the run is missing."""
+    """Each motion's split and points on the plane, shape (poses, 2); none where it failed.
+
+    Raises `UserError` where the run is missing.
+    """
     rows = results[(results.experiment == MOTIONS) & (results.status == "ok")]
     if len(rows) == 0:
         return {}
