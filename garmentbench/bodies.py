@@ -38,7 +38,7 @@ def body_names() -> list[str]:
 
 
 def load_body(name: str, size: str) -> BakedBody:
-    """The baked body `name` ("base", "slim", "heavy") at `size` ("small", "full").
+    """The baked body `name` ("base", "slim" ..., or your own) at `size` ("small", "full").
 
     All shapes share faces, UV, weights and vertex order at a size. Raises `UsageError` for an unknown name or size.
     """
