@@ -9,7 +9,7 @@ from garmentbench.atomic import written_whole
 from garmentbench.fingerprint import fingerprint
 from garmentbench.motion.distribution import embed, nearest_cm, poses
 from garmentbench.presets import Preset
-from garmentbench.report.motions import APART, MOTIONS, POINTS, TRAINED
+from garmentbench.report.motions import APART, MOTIONS, POINTS, TRAINED, motion_label
 from garmentbench.rollout import OK
 from garmentbench.runs import RunStore, run_id
 from garmentbench.scene import Scene, load_scene
@@ -31,7 +31,7 @@ def distribute(preset: Preset) -> str:
             with run.track(len(scenes) + 1, MOTIONS) as step:
                 found = {}
                 for scene in scenes:
-                    found[scene.motion.name] = poses(scene, preset)
+                    found[motion_label(scene.name)] = poses(scene, preset)
                     step()
                 plane = np.split(embed(np.concatenate(list(found.values()))), np.cumsum([len(p) for p in found.values()])[:-1])
                 step()
@@ -62,7 +62,7 @@ def _rows(preset: Preset, results: dict) -> list[dict]:
             rows.append(failed_row(columns, made))
             continue
         columns |= {"unit": "cm", "status": OK, "run_id": made}
-        measured = RunStore().get(made).results[scene.motion.name]
+        measured = RunStore().get(made).results[motion_label(scene.name)]
         rows += [columns | {"metric": APART + name, "value": cm} for name, cm in measured.items()]
     return rows
 

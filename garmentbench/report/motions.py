@@ -15,9 +15,14 @@ if TYPE_CHECKING:
     import pandas
 
 MOTIONS = "motions"
-POINTS = "motions.npz"  # in the run's folder: a motion's points on the plane, shape (poses, 2), under its name
+POINTS = "motions.npz"  # in the run's folder: a motion's points on the plane, shape (poses, 2), under its label
 TRAINED = ("armspace-75", "dance-latin")
 APART = "apart_from:"  # a metric's name is this and a training motion's
+
+
+def motion_label(scene: str) -> str:
+    """A motion's name for people: the scene's without the garment; recorded clips are all called "clip", their scenes not."""
+    return scene.split("-", 1)[-1]
 
 
 def motions_table(results: "pandas.DataFrame") -> Table:
@@ -27,7 +32,7 @@ def motions_table(results: "pandas.DataFrame") -> Table:
         values = [line.value(APART + name) for name in TRAINED]
         apart = [math.nan if value is None else value.mean for value in values]
         rows.append((line.rows.split.iloc[0], min(apart), line, apart))
-    rows.sort(key=lambda row: (row[0] != "train", row[1], row[2].motion))
+    rows.sort(key=lambda row: (row[0] != "train", row[1], row[2].scene))
     return Table(
         MOTIONS,
         "Motions",
@@ -35,7 +40,7 @@ def motions_table(results: "pandas.DataFrame") -> Table:
         "64 points on the base body, whatever its place and heading. The map shows the same poses, nearest ones side by side "
         "(t-SNE, in the manner of figure 5 of the paper; its axes have no unit and distances between far groups no meaning).",
         ["motion", "split", *(f"from {name} [cm]" for name in TRAINED), "status"],
-        [[Cell(line.motion), Cell(split), *map(_distance, apart), status_cell(line)] for split, _, line, apart in rows],
+        [[Cell(motion_label(line.scene)), Cell(split), *map(_distance, apart), status_cell(line)] for split, _, line, apart in rows],
         frozenset({0, 1, 2 + len(TRAINED)}),
     )
 
@@ -56,4 +61,5 @@ def read_points(results: "pandas.DataFrame", runs_root: Path) -> dict[str, tuple
     if not path.is_file():
         raise UserError(f"{path}: named in results.csv, but missing; `garmentbench evals {MOTIONS}` makes it")
     with np.load(path) as file:
-        return {motion: (split, file[motion]) for motion, split in sorted(set(zip(rows.motion, rows.split, strict=True)))}
+        found = sorted({(motion_label(scene), split) for scene, split in zip(rows.scene, rows.split, strict=True)})
+        return {motion: (split, file[motion]) for motion, split in found}
