@@ -40,7 +40,10 @@ def motions_table(results: "pandas.DataFrame") -> Table:
         "64 points on the base body, whatever its place and heading. The map shows the same poses, nearest ones side by side "
         "(t-SNE, in the manner of figure 5 of the paper; its axes have no unit and distances between far groups no meaning).",
         ["motion", "split", *(f"from {name} [cm]" for name in TRAINED), "status"],
-        [[Cell(motion_label(line.scene)), Cell(split), *map(_distance, apart), status_cell(line)] for split, _, line, apart in rows],
+        [
+            [Cell(motion_label(line.scene)), Cell(split), *map(_distance, apart), status_cell(line)]
+            for split, _, line, apart in rows
+        ],
         frozenset({0, 1, 2 + len(TRAINED)}),
     )
 
