@@ -16,7 +16,8 @@ from garmentbench.simulation.stability import substeps
 from garmentbench.simulation.xpbd import XpbdSolver
 
 OK, UNSTABLE = "ok", "unstable"
-STRAIN_LIMIT = 0.20  # 99th percentile of edge strain; an unstable run shows so, it does not become NaN
+# 99th percentile of edge strain; an unstable run shows so, it does not become NaN. A bodysuit over raised arms reaches 0.2.
+STRAIN_LIMIT = 0.30
 GRID = 0.25  # [m] the local origin follows the body in such steps, which float32 subtracts without loss
 
 
