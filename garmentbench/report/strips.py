@@ -116,4 +116,4 @@ def _scale(figure: Figure, width: int, height: int) -> None:
     axes.imshow(np.linspace(0, 1, 256)[None], aspect="auto", cmap=ERROR_COLOURS, extent=(0, ERROR_SCALE_CM, 0, 1))
     axes.set_yticks([])
     axes.tick_params(labelsize=8, length=2)
-    axes.set_xlabel("error of the prediction [cm]", fontsize=8, labelpad=1)
+    axes.set_xlabel("distance to the reference [cm]", fontsize=8, labelpad=1)
