@@ -1,8 +1,6 @@
 """The file of a clip (npz): a motion that has been retargeted once, for scenes and for others to read."""
 
-import math
 import zipfile
-import zlib
 from pathlib import Path
 
 import numpy as np
@@ -11,12 +9,12 @@ from garmentbench.atomic import written_whole
 from garmentbench.bodies import BakedBody
 from garmentbench.clips.clip import Clip
 from garmentbench.errors import UserError
+from garmentbench.npz import DAMAGED, read_array
 
 KIND = "garmentbench clip"
 _ARRAYS = {"rotations": 4, "root": 2, "standing": 2, "fps": 0, "leg": 0}  # and their dimensions
 _REMAKE = "make it again with `garmentbench import-motion`"
 _MOST_COMPRESSED, _SMALL = 100, 64e6  # what claims to be larger than both [times, bytes] is not believed
-_DAMAGED = (OSError, ValueError, KeyError, EOFError, RuntimeError, SyntaxError, zipfile.BadZipFile, zlib.error)
 
 
 def save_clip(clip: Clip, joint_names: tuple[str, ...], notes: str, path: Path) -> None:
@@ -37,21 +35,9 @@ def load_arrays(path: Path) -> dict[str, np.ndarray]:
             claimed, stored = sum(e.file_size for e in entries), path.stat().st_size
             if claimed > max(_SMALL, _MOST_COMPRESSED * stored):
                 raise UserError(f"{path}: {stored} bytes that claim to be {claimed / 1e9:.1f} GB; copy or make it again")
-            return {e.filename.removesuffix(".npy"): _array(archive, e) for e in entries}
-    except _DAMAGED as e:
+            return {e.filename.removesuffix(".npy"): read_array(archive, e, stored) for e in entries}
+    except DAMAGED as e:
         raise UserError(f"{path}: not a whole npz file ({' '.join(str(e).split())}); copy or make it again") from e
-
-
-def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> np.ndarray:
-    """One array. Raises `ValueError` if its header claims another size than it has."""
-    with archive.open(entry) as file:
-        version = np.lib.format.read_magic(file)
-        read_header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
-        shape, _, dtype = read_header(file)
-        if math.prod(shape) * dtype.itemsize != entry.file_size - file.tell():
-            raise ValueError(f"{entry.filename} has another size than it says")
-    with archive.open(entry) as file:
-        return np.lib.format.read_array(file, allow_pickle=False)
 
 
 def clip_of(arrays: dict[str, np.ndarray], baked: BakedBody, path: Path) -> Clip:

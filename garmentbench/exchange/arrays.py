@@ -8,9 +8,7 @@
     fps, metres_per_unit, up  numbers, and "x", "y" or "z" (in HDF5 of fixed length, e.g. numpy.bytes_("z")); optional
 """
 
-import tokenize
 import zipfile
-import zlib
 from pathlib import Path
 
 import h5py
@@ -19,15 +17,12 @@ import numpy as np
 from garmentbench import hdf5
 from garmentbench.atomic import written_whole
 from garmentbench.exchange.mesh_sequence import MeshSequence, checked_faces, refusal, size_of
+from garmentbench.npz import DAMAGED, read_array
 
 _ALIASES = {"vertices": "positions", "triangles": "faces"}
 _SHAPES = {"positions": (None, None, 3), "faces": (None, 3), "rest": (None, 3), "pins": (None,)}
 _KNOWN = frozenset({*_SHAPES, *_ALIASES, "uv", "fps", "metres_per_unit", "up"})
 _AGAIN = "write it again; garmentbench import --help names the arrays"
-_MOST_COMPRESSED, _SMALL_BYTES = 200, 64 << 20  # what claims to be larger than both is not believed
-_UNREADABLE = (  # what zipfile and NumPy raise over damaged archives and headers (which are Python literals)
-    zipfile.BadZipFile, zlib.error, ValueError, TypeError, KeyError, EOFError, OSError, RuntimeError, NotImplementedError,
-    SyntaxError, tokenize.TokenError, MemoryError)
 
 
 def read_npz(path: Path) -> MeshSequence:
@@ -39,8 +34,8 @@ def read_npz(path: Path) -> MeshSequence:
             for member in archive.infolist():
                 name = member.filename.removesuffix(".npy")
                 if name in _KNOWN:
-                    arrays[_ALIASES.get(name, name)] = _npy(archive, member, size)
-    except _UNREADABLE as e:
+                    arrays[_ALIASES.get(name, name)] = read_array(archive, member, size)
+    except DAMAGED as e:
         raise refusal(path, f"damaged, or no .npz file ({hdf5.reason(e)})", _AGAIN) from e
     return _mesh(path, arrays)
 
@@ -69,22 +64,6 @@ def write_npz(path: Path, mesh: MeshSequence) -> None:
         arrays["uv"] = mesh.corner_uv
     with written_whole(path) as partial, partial.open("wb") as file:
         np.savez(file, **arrays)
-
-
-def _npy(archive: zipfile.ZipFile, member: zipfile.ZipInfo, size: int) -> np.ndarray:
-    """An array of an archive of `size` bytes, read only when its header claims no more than is there."""
-    with archive.open(member) as file:
-        version = np.lib.format.read_magic(file)
-        form = np.lib.format
-        read_header = form.read_array_header_1_0 if version == (1, 0) else form.read_array_header_2_0
-        shape, _, dtype = read_header(file)
-        claimed = int(np.prod(shape, dtype=object)) * dtype.itemsize
-        if dtype.hasobject:
-            raise ValueError(f"{member.filename} holds Python objects, wanted numbers")
-        if claimed > member.file_size or claimed > max(_SMALL_BYTES, _MOST_COMPRESSED * size):
-            raise ValueError(f"{member.filename} claims {claimed} bytes in a file of {size}")
-    with archive.open(member) as file:
-        return np.lib.format.read_array(file, allow_pickle=False)
 
 
 def _mesh(path: Path, arrays: dict[str, np.ndarray]) -> MeshSequence:
