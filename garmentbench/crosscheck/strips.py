@@ -5,7 +5,7 @@ stops early adds to a cloth's softness depends on the mesh. The other engine's m
 its strips end where the reference's do; what is left of the difference is the error of the match.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -129,10 +129,15 @@ def fitted(name: str, vbd: VbdSettings, ratio: Callable[[VbdSettings], float]) -
     return replace(vbd, **{name: float(np.exp(best))}), float(np.exp(left))
 
 
-def equilateral(columns: int, rows: int, edge: float, pins: list[int]) -> Garment:
+def equilateral(columns: int, rows: int, edge: float, pins: Sequence[int] = ()) -> Garment:
     """A flat strip of equilateral triangles, every second row shifted by half an edge, row by row."""
     i, j = np.meshgrid(np.arange(columns + 1), np.arange(rows + 1))
     points = np.stack([edge * (i + 0.5 * (j % 2)), edge * np.sqrt(0.75) * j, 0.0 * i], axis=-1).reshape(-1, 3)
+    return sheet(points, columns, rows, pins)
+
+
+def sheet(points: np.ndarray, columns: int, rows: int, pins: Sequence[int]) -> Garment:
+    """A flat sheet of (columns + 1) x (rows + 1) points [m], row by row; the diagonals turn about from row to row."""
     i, j = (a.ravel() for a in np.meshgrid(np.arange(columns), np.arange(rows)))
     a = j * (columns + 1) + i
     b, c, d = a + 1, a + columns + 1, a + columns + 2
@@ -141,4 +146,4 @@ def equilateral(columns: int, rows: int, edge: float, pins: list[int]) -> Garmen
     second = np.where(even, np.column_stack([b, d, c]), np.column_stack([a, d, c]))
     faces = np.concatenate([first, second]).astype(np.int32)
     rest = points.astype(np.float32)
-    return Garment("strip", rest, faces, rest[:, :2], np.zeros((0, 2), np.int32), np.array(pins, np.int32))
+    return Garment("sheet", rest, faces, rest[:, :2], np.zeros((0, 2), np.int32), np.array(pins, np.int32))

@@ -1,38 +1,24 @@
 """Small scenes whose answer can be computed by hand."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from garmentbench.crosscheck.strips import equilateral, sheet
 from garmentbench.sequence import OBJECT, Body, Garment
 from garmentbench.simulation.drive import Drive, drive
 from garmentbench.simulation.material import Material, Settings
+
+__all__ = ["FPS", "HARD", "equilateral", "floor", "grid", "run", "tilt"]
 
 FPS = 30.0
 HARD = Material(air=0.0)  # the default fabric in a vacuum
 
 
-def grid(columns: int, rows: int, width: float, height: float, pins: list[int] | None = None) -> Garment:
+def grid(columns: int, rows: int, width: float, height: float, pins: Sequence[int] = ()) -> Garment:
     """A flat sheet in the plane z = 0 with its first corner at 0, (columns + 1) x (rows + 1) vertices, row by row."""
     x, y = np.meshgrid(np.linspace(0, width, columns + 1), np.linspace(0, height, rows + 1))
-    return _garment(np.stack([x, y, 0 * x], axis=-1).reshape(-1, 3), columns, rows, pins)
-
-
-def equilateral(columns: int, rows: int, edge: float, pins: list[int] | None = None) -> Garment:
-    """A flat strip of equilateral triangles, every second row shifted by half an edge."""
-    i, j = np.meshgrid(np.arange(columns + 1), np.arange(rows + 1))
-    points = np.stack([edge * (i + 0.5 * (j % 2)), edge * np.sqrt(0.75) * j, 0.0 * i], axis=-1).reshape(-1, 3)
-    return _garment(points, columns, rows, pins)
-
-
-def _garment(points: np.ndarray, columns: int, rows: int, pins: list[int] | None) -> Garment:
-    i, j = (a.ravel() for a in np.meshgrid(np.arange(columns), np.arange(rows)))
-    a = j * (columns + 1) + i
-    b, c, d = a + 1, a + columns + 1, a + columns + 2
-    even = (j % 2 == 0)[:, None]
-    first = np.where(even, np.column_stack([a, b, c]), np.column_stack([a, b, d]))
-    second = np.where(even, np.column_stack([b, d, c]), np.column_stack([a, d, c]))
-    faces = np.concatenate([first, second]).astype(np.int32)
-    rest = points.astype(np.float32)
-    return Garment("sheet", rest, faces, rest[:, :2], np.zeros((0, 2), np.int32), np.array(pins or [], np.int32))
+    return sheet(np.stack([x, y, 0 * x], axis=-1).reshape(-1, 3), columns, rows, pins)
 
 
 def floor(half: float = 5.0) -> Body:
