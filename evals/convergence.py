@@ -161,7 +161,9 @@ def _variant_rows(scene_name: str, variant: Variant, preset: Preset, results: di
     values = {"ms_per_frame": (run.results["ms_per_frame"], "ms"), "substeps": (run.results["substeps"], "1")}
     if variant.name != variant.compared_with:
         values |= distances(positions, np.load(other.folder / POSITIONS))
-    columns |= {"horizon": len(positions), "run_id": run.id} | {k: run.results[k] for k in ("status", "first_bad_frame")}
+    columns |= {"horizon": len(positions), "run_id": run.id} | {
+        k: run.results[k] for k in ("status", "first_bad_frame")
+    }
     return [columns | {"metric": name, "value": float(value), "unit": unit} for name, (value, unit) in values.items()]
 
 

@@ -90,11 +90,13 @@ def _compare(run: Run, scene_name: str, preset: Preset, variant: Variant) -> Non
     other, matched = _other(run, scene, preset, variant.substeps)
     garment = np.load(other.folder / POSITIONS)
     write_material(run.folder, reference, RollOut(ROLL_OUT, 0, garment, None, np.full((len(garment), 3), np.nan)))
-    run.finish({
-        "rows": _measures(garment, other.results["ms_per_frame"], reference, made.uncertainty_cm),
-        "match": matched,
-        "message": "",
-    })
+    run.finish(
+        {
+            "rows": _measures(garment, other.results["ms_per_frame"], reference, made.uncertainty_cm),
+            "match": matched,
+            "message": "",
+        }
+    )
 
 
 def _other(run: Run, scene: Scene, preset: Preset, times: int) -> tuple[Run, dict]:
@@ -135,7 +137,9 @@ def _vbd(outfit: "Outfit", name: str, vbd: VbdSettings) -> tuple[np.ndarray, flo
         beneath = (worn.body, worn.surface[:count])
     obstacle = Obstacle.of(body, positions[:count], beneath)
     with track(count - 1, f"simulate {name} in Newton") as step:
-        ran = drive_vbd(outer.garment, outer.start, obstacle, count, outfit.fps, outer.material, outer.settings, vbd, step)
+        ran = drive_vbd(
+            outer.garment, outer.start, obstacle, count, outfit.fps, outer.material, outer.settings, vbd, step
+        )
     return ran.positions[outfit.animation.warm_up :], ran.ms_per_frame
 
 
@@ -147,7 +151,10 @@ def _measures(garment: np.ndarray, ms: float, reference: Sequence, uncertainty: 
         theirs, ours = (_penetration(g, body, reference.template.body.faces) for g in (garment, own))
         values |= {name: (value, ours[name]) for name, value in theirs.items()}
     doubt = {"uncertainty": uncertainty}
-    rows = [_row("difference", difference(garment, own)) | doubt, _row("difference_p95", difference_p95(garment, own)) | doubt]
+    rows = [
+        _row("difference", difference(garment, own)) | doubt,
+        _row("difference_p95", difference_p95(garment, own)) | doubt,
+    ]
     return rows + [_row(name, value, known) for name, (value, known) in values.items()]
 
 

@@ -190,7 +190,9 @@ class _Board:
             self.progress.remove_task(self.bars.pop(label))
         seconds = time.monotonic() - self.begun.pop(label, time.monotonic())
         state = f"FAILED: {result.message}" if isinstance(result, Failure) else f"{seconds:.1f} s"
-        self.console.print(f"[{self.count}/{self.total}] {label}: {state}", markup=False, highlight=False, soft_wrap=True)
+        self.console.print(
+            f"[{self.count}/{self.total}] {label}: {state}", markup=False, highlight=False, soft_wrap=True
+        )
 
 
 def worker_count() -> int:

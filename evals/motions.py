@@ -33,7 +33,9 @@ def distribute(preset: Preset) -> str:
                 for scene in scenes:
                     found[motion_label(scene.name)] = poses(scene, preset)
                     step()
-                plane = np.split(embed(np.concatenate(list(found.values()))), np.cumsum([len(p) for p in found.values()])[:-1])
+                plane = np.split(
+                    embed(np.concatenate(list(found.values()))), np.cumsum([len(p) for p in found.values()])[:-1]
+                )
                 step()
             with written_whole(run.folder / POINTS) as partial, partial.open("wb") as file:
                 np.savez_compressed(file, **dict(zip(found, plane, strict=True)))

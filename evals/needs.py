@@ -72,7 +72,13 @@ def _build(sequence: Sequence, preset: Preset) -> _Built:
     begun = time.perf_counter()
     evaluate(roll, None, sequence)
     measure_ms = 1e3 * (time.perf_counter() - begun) / len(sequence)
-    return _Built(method.generative.log_radii.numel(), sdf, megabytes, float(np.nanmean(np.nan_to_num(roll.ms[roll.start :, 2]))), measure_ms)
+    return _Built(
+        method.generative.log_radii.numel(),
+        sdf,
+        megabytes,
+        float(np.nanmean(np.nan_to_num(roll.ms[roll.start :, 2]))),
+        measure_ms,
+    )
 
 
 def _few_steps(config: Config) -> Config:

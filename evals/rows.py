@@ -12,8 +12,9 @@ from garmentbench.report.results import COLUMNS
 from garmentbench.scene import Scene
 
 
-
-def about(table: str, preset: Preset, scene: Scene, method: str, variant: str, train_frames: int | None, seed: int) -> dict:
+def about(
+    table: str, preset: Preset, scene: Scene, method: str, variant: str, train_frames: int | None, seed: int
+) -> dict:
     """The columns that say what a row is about."""
     return {
         "preset": preset.name,
@@ -32,7 +33,13 @@ def about(table: str, preset: Preset, scene: Scene, method: str, variant: str, t
 
 def failed_row(columns: dict, failure: Failure) -> dict:
     """The row of a line that could not be computed at all: it stays in the tables, with its status."""
-    return columns | {"metric": "rollout_l2", "value": math.nan, "unit": "cm", "status": "failed", "run_id": f"({failure.message})"}
+    return columns | {
+        "metric": "rollout_l2",
+        "value": math.nan,
+        "unit": "cm",
+        "status": "failed",
+        "run_id": f"({failure.message})",
+    }
 
 
 def with_skill(rows: list[dict]) -> list[dict]:

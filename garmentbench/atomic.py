@@ -22,8 +22,10 @@ def written_whole(path: Path) -> Iterator[Path]:
             os.fsync(f.fileno())
         os.replace(partial, path)
     except OSError as e:
-        raise UserError(f"{path}: can't be written ({e.strerror or e}); free some space there or use another disk, "
-                        "then run the same command again") from e
+        raise UserError(
+            f"{path}: can't be written ({e.strerror or e}); free some space there or use another disk, "
+            "then run the same command again"
+        ) from e
     finally:
         if partial.is_file():
             partial.unlink()

@@ -34,9 +34,13 @@ def missing_parts(method: type) -> list[Problem]:
     """What a class lacks to be a method at all."""
     problems = []
     if not isinstance(getattr(method, "name", None), str):
-        problems.append(Problem("name", "is missing or no text", "give the class an attribute `name`, as in the tables"))
+        problems.append(
+            Problem("name", "is missing or no text", "give the class an attribute `name`, as in the tables")
+        )
     if not is_dataclass(getattr(method, "Config", None)):
-        problems.append(Problem("Config", "is missing or no dataclass", "give the class an attribute `Config`, a frozen dataclass"))
+        problems.append(
+            Problem("Config", "is missing or no dataclass", "give the class an attribute `Config`, a frozen dataclass")
+        )
     for part in PARTS:
         if not callable(getattr(method, part, None)):
             problems.append(Problem(part, "is missing", f"write the method `{part}` (see garmentbench.method.Method)"))
@@ -59,7 +63,11 @@ def _try_scene(method: type[Method], config: Any, kind: str) -> list[Problem]:
         except UserError as e:
             return [Problem(part, f"refuses a scene with a human body: {e}", "accept it")] if kind == HUMAN else []
         except Exception as e:  # a method may raise anything
-            return [Problem(part, f"raised {type(e).__name__}: {e}", "mend it; garmentbench.tiny.tiny_sequence is the scene")]
+            return [
+                Problem(
+                    part, f"raised {type(e).__name__}: {e}", "mend it; garmentbench.tiny.tiny_sequence is the scene"
+                )
+            ]
         return _try_roll_out(trained, loaded, test, f"scene with {kind}")
 
 
@@ -76,7 +84,9 @@ def _try_roll_out(trained: Method, loaded: Method, test: Sequence, where: str) -
         do = "keep what changes in the state, not in self"
         problems.append(Problem(f"step, {where}", "two roll-outs in turns disturb each other", do))
     if not _same(first, roll_out(loaded, test)):
-        problems.append(Problem(f"load, {where}", "the method read back predicts something else", "save all that step uses"))
+        problems.append(
+            Problem(f"load, {where}", "the method read back predicts something else", "save all that step uses")
+        )
     return problems
 
 

@@ -63,7 +63,8 @@ def parse(arguments: list[str]) -> Command:
     try:
         with contextlib.redirect_stderr(box):
             command, unknown = tyro.cli(
-                union, args=arguments, prog="garmentbench", description=DESCRIPTION, return_unknown_args=True)
+                union, args=arguments, prog="garmentbench", description=DESCRIPTION, return_unknown_args=True
+            )
     except SystemExit as e:
         if e.code == 0:
             raise

@@ -74,7 +74,13 @@ def _body_count(what: str) -> Callable[[Sequence], float | None]:
 
 
 COUNTS, COST, UNCERTAINTY, PENETRATION, SELF, STRAIN = SECTIONS = (
-    "Counts", "Cost to make", "Uncertainty", "Penetration", "Self-intersection", "Strain")
+    "Counts",
+    "Cost to make",
+    "Uncertainty",
+    "Penetration",
+    "Self-intersection",
+    "Strain",
+)
 FACTS = (
     Fact("frames", COUNTS, "frames", "", len),
     Fact("fps", COUNTS, "frames a second", "1/s", lambda s: s.template.fps),
@@ -90,8 +96,16 @@ FACTS = (
     Fact("doubling_cm", UNCERTAINTY, "twice the substeps", "cm", _noted("uncertainty", "doubling_cm")),
     Fact("perturbed_cm", UNCERTAINTY, "start pushed by 1 mm", "cm", _noted("uncertainty", "perturbed_cm")),
     Fact("uncertainty_frames", UNCERTAINTY, "frames compared", "", _noted("uncertainty", "frames")),
-    Fact("has_inside", PENETRATION, "there is a body to be inside of", YES_NO, lambda s: s.template.needs.interpenetration),
-    Fact("vertex_percent", PENETRATION, "behind the nearest body vertex's plane", "%", _noted(INSIDE, "vertex_percent")),
+    Fact(
+        "has_inside",
+        PENETRATION,
+        "there is a body to be inside of",
+        YES_NO,
+        lambda s: s.template.needs.interpenetration,
+    ),
+    Fact(
+        "vertex_percent", PENETRATION, "behind the nearest body vertex's plane", "%", _noted(INSIDE, "vertex_percent")
+    ),
     Fact("strict_percent", PENETRATION, "strict, by signed distance", "%", _noted(INSIDE, "strict_percent")),
     Fact("depth_p95_mm", PENETRATION, "depth of those, 95th percentile", "mm", _noted(INSIDE, "depth_p95_mm")),
     Fact("self_percent", SELF, "faces that cross another", "%", _noted("self_intersection", "percent")),

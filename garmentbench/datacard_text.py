@@ -8,7 +8,11 @@ from garmentbench.method import HISTORY
 LIMITS = (  # what makes a flaw: a fact, the most it may be, and how it is said
     ("strict_percent", 0.1, "{0:.2g} % of the garment's vertices lie inside the body, more than {1:g} %."),
     ("uncertainty_cm", 0.3, "Its own uncertainty is {0:.2g} cm, more than {1:g} cm."),
-    ("p99_strain", 10.0, "In some frame 1 % of the edges are strained by more than {0:.0f} %, and {1:g} % is much for cloth."),
+    (
+        "p99_strain",
+        10.0,
+        "In some frame 1 % of the edges are strained by more than {0:.0f} %, and {1:g} % is much for cloth.",
+    ),
     ("self_percent", 0.0, "{0:.2g} % of the faces pass through another."),
 )
 _NOTES = {
@@ -18,13 +22,25 @@ _NOTES = {
 
 def markdown(card: Card) -> str:
     """The card as Markdown."""
-    lines = [f"# Data card: {card.scene}" + (f" ({card.preset})" if card.preset else ""), "", "## What", "", *_what(card), ""]
+    lines = [
+        f"# Data card: {card.scene}" + (f" ({card.preset})" if card.preset else ""),
+        "",
+        "## What",
+        "",
+        *_what(card),
+        "",
+    ]
     for section in SECTIONS:
         lines += [f"## {section}", ""]
         lines += [_NOTES[section], ""] if section in _NOTES else []
         lines += ["| | |", "|---|---:|", *(_row(card, fact) for fact in FACTS if fact.section == section), ""]
         lines += [_minutes(card), ""] if section == COST else []
-    lines += ["## Known flaws", "", *(f"- {flaw}" for flaw in flaws(card) or ["None of those that are looked for."]), ""]
+    lines += [
+        "## Known flaws",
+        "",
+        *(f"- {flaw}" for flaw in flaws(card) or ["None of those that are looked for."]),
+        "",
+    ]
     return "\n".join([*lines, "## How to evaluate on it", "", *_how(card)]) + "\n"
 
 
@@ -40,7 +56,11 @@ def flaws(card: Card) -> list[str]:
         found.append("Contact with the body is felt at vertices only: faces between them may cut into it.")
     else:
         found.append("How it was made is not known.")
-    unmeasured = [what for name, what in (("uncertainty_cm", "uncertainty"), ("self_percent", "self-intersection")) if name not in n]
+    unmeasured = [
+        what
+        for name, what in (("uncertainty_cm", "uncertainty"), ("self_percent", "self-intersection"))
+        if name not in n
+    ]
     if unmeasured:
         found.append(f"Not measured: {' and '.join(unmeasured)}.")
     return found
@@ -70,7 +90,9 @@ def _row(card: Card, fact: Fact) -> str:
 def _value(card: Card, fact: Fact) -> str:
     value = card.numbers.get(fact.name)
     if value is None:
-        applies = not (fact.name in NEEDS_INSIDE and card.numbers.get("has_inside") == 0) and fact.name != "first_bad_frame"
+        applies = (
+            not (fact.name in NEEDS_INSIDE and card.numbers.get("has_inside") == 0) and fact.name != "first_bad_frame"
+        )
         return "not measured" if applies else "–"
     if fact.unit == YES_NO:
         return "yes" if value else "no"
@@ -90,13 +112,17 @@ def _how(card: Card) -> list[str]:
     lines = [
         f"`{train}`" if card.split == "train" else f"`{test}`",
         "",
-        "- It is for training: an error on it is a training error." if card.split == "train"
+        "- It is for training: an error on it is a training error."
+        if card.split == "train"
         else "- It is for testing: nothing may be fitted or chosen on it.",
         f"- A roll-out begins with the first {HISTORY} frames as they are and is free from then on; its error is reported over {horizons} frames.",
         "- A method sees the body up to the present frame only.",
     ]
-    lines.append("- Say that its uncertainty is unknown beside every error." if doubt is None
-                 else f"- Report the uncertainty beside every error: differences below {doubt:.2g} cm mean nothing.")
+    lines.append(
+        "- Say that its uncertainty is unknown beside every error."
+        if doubt is None
+        else f"- Report the uncertainty beside every error: differences below {doubt:.2g} cm mean nothing."
+    )
     if n.get("has_inside") == 0:
         lines.append("- There is no human body: interpenetration is not reported.")
     return lines

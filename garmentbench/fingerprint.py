@@ -13,8 +13,22 @@ from typing import Any
 # where they are named themselves.
 BYSTANDERS = frozenset(
     f"garmentbench.{name}"
-    for name in ("atomic", "cli", "commands", "compare", "errors", "fingerprint", "lock", "machine", "paths", "progress",
-                 "recording", "report", "runs", "work")
+    for name in (
+        "atomic",
+        "cli",
+        "commands",
+        "compare",
+        "errors",
+        "fingerprint",
+        "lock",
+        "machine",
+        "paths",
+        "progress",
+        "recording",
+        "report",
+        "runs",
+        "work",
+    )
 )
 
 
@@ -56,7 +70,9 @@ def fingerprint(*sources: str | Path) -> str:
     for source in sources:
         if isinstance(source, Path):
             files = sorted(p for p in source.rglob("*") if p.is_file()) if source.is_dir() else [source]
-            parts |= {f"{source.name}/{p.relative_to(source)}": hashlib.sha256(p.read_bytes()).hexdigest() for p in files}
+            parts |= {
+                f"{source.name}/{p.relative_to(source)}": hashlib.sha256(p.read_bytes()).hexdigest() for p in files
+            }
     return content_hash(parts)
 
 

@@ -49,6 +49,7 @@ def opened(path: Path, kind: str, schema: int, remake: str) -> Iterator[h5py.Fil
     `remake` says how the user gets a good one. Raises `ProblemError` for a missing, foreign, damaged, older or
     newer file.
     """
+
     def refuse(what: str, do: str = remake) -> ProblemError:
         return ProblemError(Problem(str(path), what, do))
 

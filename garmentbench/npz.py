@@ -11,8 +11,18 @@ from garmentbench.errors import UserError
 from garmentbench.hdf5 import reason
 
 DAMAGED = (  # what zipfile and NumPy raise over damaged archives and headers, which are Python literals
-    zipfile.BadZipFile, zlib.error, ValueError, TypeError, KeyError, EOFError, OSError, RuntimeError, NotImplementedError,
-    SyntaxError, tokenize.TokenError, MemoryError,
+    zipfile.BadZipFile,
+    zlib.error,
+    ValueError,
+    TypeError,
+    KeyError,
+    EOFError,
+    OSError,
+    RuntimeError,
+    NotImplementedError,
+    SyntaxError,
+    tokenize.TokenError,
+    MemoryError,
 )
 _MOST_COMPRESSED, _SMALL = 200, 64 << 20  # what claims to be larger than both [times, bytes] is not believed
 

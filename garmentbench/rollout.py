@@ -56,7 +56,8 @@ class RollOut:
                 hdf5.put(file, "before_collision", self.before_collision)
             bad = -1 if self.first_bad_frame is None else self.first_bad_frame
             hdf5.put_attributes(
-                file, kind=self.kind, start=self.start, status=self.status, first_bad_frame=bad, message=self.message)
+                file, kind=self.kind, start=self.start, status=self.status, first_bad_frame=bad, message=self.message
+            )
 
     @classmethod
     def load(cls, path: Path) -> "RollOut":

@@ -72,7 +72,9 @@ class Run:
         """Results of a finished run. Raises `UserError` for an unfinished one."""
         record = self.record
         if record is None:
-            raise UserError(f"run {self.id} is {self.state}, it has no results yet; run the same command again to finish it")
+            raise UserError(
+                f"run {self.id} is {self.state}, it has no results yet; run the same command again to finish it"
+            )
         return record["results"]
 
     @property

@@ -113,10 +113,13 @@ def _read(name: str) -> Scene:
 def _check_clip(path: Path, motion: dict) -> None:
     """Raises `UserError` for what is wrong in a [motion] table about a recorded clip."""
     if ("file" in motion) != (motion.get("name") == "clip"):
-        raise UserError(f"{path}: motion \"clip\" and its file go together; wanted [motion] with name = \"clip\" and file")
+        raise UserError(f'{path}: motion "clip" and its file go together; wanted [motion] with name = "clip" and file')
     number = (int | float, "a number [s]")
     for key, (kind, wanted) in {
-        "file": (str, "the path of a recording"), "start": number, "stop": number, "arm_space": (int | float, "degrees"),
+        "file": (str, "the path of a recording"),
+        "start": number,
+        "stop": number,
+        "arm_space": (int | float, "degrees"),
         "map": (dict, "a table of the recording's joints = ours"),
     }.items():
         if key in motion and not isinstance(motion[key], kind):
@@ -128,9 +131,11 @@ def _scene(path: Path, table: dict) -> Scene:
     if isinstance(motion, str):
         motion = {"name": motion}
     if not isinstance(motion, dict):
-        raise UserError(f"{path}: motion is missing; wanted motion = \"armspace-90\" or a [motion] table with a name")
+        raise UserError(f'{path}: motion is missing; wanted motion = "armspace-90" or a [motion] table with a name')
     for key, kind, known in [(k, "key", Scene) for k in table] + [(k, "key of [motion]", Motion) for k in motion]:
-        names = [f.name for f in fields(known) if f.name not in ("name", "motion")] + (["name"] if known is Motion else [])
+        names = [f.name for f in fields(known) if f.name not in ("name", "motion")] + (
+            ["name"] if known is Motion else []
+        )
         if key not in names:
             raise UserError(f"{path}: {unknown_name(kind, key, names)}")
     if not isinstance(table.get("worn_over"), str | None):
@@ -148,7 +153,7 @@ def _scene(path: Path, table: dict) -> Scene:
         missing = str(e).split(": ")[-1]
         raise UserError(f"{path}: missing {missing}; wanted garment, body, motion, split and frames") from e
     if scene.split not in ("train", "test"):
-        raise UserError(f"{path}: split is '{scene.split}'; wanted \"train\" or \"test\"")
+        raise UserError(f'{path}: split is \'{scene.split}\'; wanted "train" or "test"')
     if not isinstance(scene.frames, int) or scene.frames < 4:
         raise UserError(f"{path}: frames is {scene.frames!r}; wanted a whole number of at least 4")
     return scene

@@ -122,7 +122,9 @@ class Sequence:
 
     def frames(self, start: int, stop: int) -> "Sequence":
         """The same recording, frames start to stop only."""
-        return replace(self, garment=self.garment[start:stop], body=None if self.body is None else self.body[start:stop])
+        return replace(
+            self, garment=self.garment[start:stop], body=None if self.body is None else self.body[start:stop]
+        )
 
     @property
     def uncertainty_cm(self) -> float | None:

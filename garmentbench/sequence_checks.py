@@ -1,7 +1,17 @@
 """What must hold of a sequence's arrays, and what should. Each check looks at everything and says where it is wrong."""
 
 from garmentbench.array_checks import (
-    Check, closed, finite, frame_scale, indices, mesh, not_empty, scale, seams, starts_inside, uv,
+    Check,
+    closed,
+    finite,
+    frame_scale,
+    indices,
+    mesh,
+    not_empty,
+    scale,
+    seams,
+    starts_inside,
+    uv,
 )
 from garmentbench.problem import Problem, errors
 from garmentbench.sequence import GARMENT, HUMAN, OBJECT

@@ -56,7 +56,9 @@ def _ellipsoid(kind: str | None) -> Body | None:
     if kind is None:
         return None
     rings, around = 13, 12
-    polar, turn = np.meshgrid(np.arange(1, rings) * np.pi / rings, np.arange(around) * 2 * np.pi / around, indexing="ij")
+    polar, turn = np.meshgrid(
+        np.arange(1, rings) * np.pi / rings, np.arange(around) * 2 * np.pi / around, indexing="ij"
+    )
     inner = np.stack([np.sin(polar) * np.cos(turn), np.sin(polar) * np.sin(turn), -np.cos(polar)], -1).reshape(-1, 3)
     rest = (np.concatenate([inner, [[0, 0, -1], [0, 0, 1]]]) * _RADII).astype(np.float32)
     grid = np.arange(len(inner)).reshape(rings - 1, around)

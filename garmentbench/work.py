@@ -77,7 +77,9 @@ def train(method_name: str, variant: str, scene: str, preset: Preset, frames: in
     method = load_method(method_name)
     config = configuration(method, variant, preset)
     if frames <= HISTORY:
-        raise UsageError(f"train: {frames} frames asked for; wanted more than {HISTORY}, which are the history of the next")
+        raise UsageError(
+            f"train: {frames} frames asked for; wanted more than {HISTORY}, which are the history of the next"
+        )
     frames = min(frames, preset.frame_limit or frames)
     source = take_source(scene, preset)
     identity = {
@@ -170,13 +172,17 @@ def evaluate(trained: Run, scene: str, preset: Preset, store: RunStore) -> Run:
             roll, one = _predict(learnt, sequence, run)
             roll.save(run.folder / "rollout.h5")
             write_material(run.folder, sequence, roll)
-            write_recording(run.folder / "recording.rrd", sequence, roll, f"{trained.identity['method']} on {source.name}")
-            run.finish({
-                "rows": measure(roll, one, sequence),
-                "status": roll.status,
-                "first_bad_frame": roll.first_bad_frame,
-                "message": roll.message,
-            })
+            write_recording(
+                run.folder / "recording.rrd", sequence, roll, f"{trained.identity['method']} on {source.name}"
+            )
+            run.finish(
+                {
+                    "rows": measure(roll, one, sequence),
+                    "status": roll.status,
+                    "first_bad_frame": roll.first_bad_frame,
+                    "message": roll.message,
+                }
+            )
     return store.get(run.id)
 
 

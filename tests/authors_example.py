@@ -80,11 +80,17 @@ def write_release(
     rows, columns = np.divmod(pixels, 2 * size)
     axes = tangent_frames(rest / scale, garment.faces, garment.uv).astype(np.float32).astype(np.float64)
     written = Written(
-        folder, place, rest, body_rest,
+        folder,
+        place,
+        rest,
+        body_rest,
         garment=np.stack([theirs(_moved(garment.rest, t) + 0.01 * np.sin(9 * garment.rest + t)) for t in time[:, 0]]),
         body=np.stack([theirs(_moved(body.rest, t)) for t in time[:, 0]]),
         uv=np.round(4096 * garment.uv.astype(np.float64)) / 4096,
-        frames=axes, corners=corners, weights=weights, labels=np.arange(seed_count) % PARTS,
+        frames=axes,
+        corners=corners,
+        weights=weights,
+        labels=np.arange(seed_count) % PARTS,
         chart_table=np.column_stack([x, size - 1 - y, table.vertices, last]),
         pixels=np.stack([columns, 2 * size - 1 - rows], axis=-1),
         pixel_weights=np.round(256 * pixel_weights) / 256,
@@ -108,15 +114,26 @@ def _write_template(w: Written, faces: np.ndarray, body_faces: np.ndarray, size:
     write_obj(person / "body_geo.obj", w.body_rest, vertex_normals(w.body_rest, body_faces), body_faces)
     write_obj(cloth / "garment_geo.obj", w.rest, vertex_normals(w.rest, faces), faces)
     write_obj(cloth / "garment_uv.obj", np.column_stack([w.uv, np.zeros(len(w.uv))]), None, faces)
-    lines(person / f"body_t_{len(w.labels)}_sample.txt", f"# {len(w.labels)}",
-          (f"{label} {a} {b} {c} {u!r} {v!r}" for label, (a, b, c), (_, u, v) in
-           zip(w.labels, w.corners.tolist(), w.weights.tolist(), strict=True)))
+    lines(
+        person / f"body_t_{len(w.labels)}_sample.txt",
+        f"# {len(w.labels)}",
+        (
+            f"{label} {a} {b} {c} {u!r} {v!r}"
+            for label, (a, b, c), (_, u, v) in zip(w.labels, w.corners.tolist(), w.weights.tolist(), strict=True)
+        ),
+    )
     for k, name in enumerate(("tangents", "basements", "normals")):
         lines(cloth / f"garment_canc_{name}.txt", str(len(w.rest)), map(numbers, w.frames[:, :, k]))
     map_lines = (" ".join(str(int(n)) for n in row[:5]) + " " + numbers(row[5:]) for row in w.chart_table)
     lines(cloth / f"garment_uvMap_{size}.txt", f"1\n{size} \n{size} \n0 {len(w.chart_table)}", map_lines)
-    lines(cloth / f"garment_{2 * size}_vertPixel.txt", f"# {len(w.rest)}",
-          (" ".join(map(str, p.ravel().tolist())) + " " + numbers(k) for p, k in zip(w.pixels, w.pixel_weights, strict=True)))
+    lines(
+        cloth / f"garment_{2 * size}_vertPixel.txt",
+        f"# {len(w.rest)}",
+        (
+            " ".join(map(str, p.ravel().tolist())) + " " + numbers(k)
+            for p, k in zip(w.pixels, w.pixel_weights, strict=True)
+        ),
+    )
     groups = _groups(len(w.rest), w.seams)
     lines(cloth / "ind_B2O_10.txt", f"# {len(groups)}", (" ".join(map(str, [len(g), *g])) for g in groups))
 
@@ -156,7 +173,9 @@ def save_arrays(path: Path, *arrays: np.ndarray) -> None:
             np.save(file, array)
 
 
-def write_obj(path: Path, vertices: np.ndarray, normals: np.ndarray | None = None, faces: np.ndarray | None = None) -> None:
+def write_obj(
+    path: Path, vertices: np.ndarray, normals: np.ndarray | None = None, faces: np.ndarray | None = None
+) -> None:
     text = [f"v {numbers(v)}" for v in vertices]
     text += [] if normals is None else [f"vn {numbers(n)}" for n in normals]
     text += [] if faces is None else ["f " + " ".join(f"{i + 1}//{i + 1}" for i in face) for face in faces]

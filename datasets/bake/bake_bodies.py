@@ -55,8 +55,9 @@ def vertex_uv(model: anny.Anny) -> np.ndarray:
     return uv
 
 
-def decimate(vertices: np.ndarray, faces: np.ndarray, weights: np.ndarray, joints: np.ndarray, names: list[str]
-             ) -> tuple[np.ndarray, np.ndarray]:
+def decimate(
+    vertices: np.ndarray, faces: np.ndarray, weights: np.ndarray, joints: np.ndarray, names: list[str]
+) -> tuple[np.ndarray, np.ndarray]:
     """Small faces, and each small vertex as a blend of full vertices, shape (small, full).
 
     The base shape's shortest edges are collapsed (libigl keeps it a manifold). That leaves even triangles of 25 mm where
@@ -82,8 +83,10 @@ def check(name: str, vertices: np.ndarray, faces: np.ndarray, base: np.ndarray) 
     assert mesh.is_watertight and mesh.is_winding_consistent and mesh.euler_number == 2 and mesh.volume > 0, name
     assert (np.unique(edges, axis=0, return_counts=True)[1] == 2).all(), name
     lengths = np.linalg.norm(np.diff(vertices[edges], axis=1), axis=-1) * 1e3
-    print(f"{name}: {len(vertices)} vertices, height {np.ptp(vertices[:, 2]):.3f} m, volume {mesh.volume * 1e3:.1f} l, "
-          f"edges {lengths.min():.2f} / {np.median(lengths):.1f} / {lengths.max():.1f} mm")
+    print(
+        f"{name}: {len(vertices)} vertices, height {np.ptp(vertices[:, 2]):.3f} m, volume {mesh.volume * 1e3:.1f} l, "
+        f"edges {lengths.min():.2f} / {np.median(lengths):.1f} / {lengths.max():.1f} mm"
+    )
 
 
 def main() -> None:

@@ -30,7 +30,8 @@ def fine_over_skirt(size: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     heights = np.linspace(TOP, HEM, ROWS)
     angles = np.linspace(0, 2 * np.pi, ANGLES, endpoint=False)
     beneath = np.maximum(
-        hull_radius(*without_arms(), heights, angles), hull_radius(dress.rest.astype(float), dress.faces, heights, angles)
+        hull_radius(*without_arms(), heights, angles),
+        hull_radius(dress.rest.astype(float), dress.faces, heights, angles),
     )
     radius = gaussian_filter(beneath, (1.5, 4), mode=("nearest", "wrap"))
     radius += CLEARANCE + FLARE * ((TOP - heights) / (TOP - HEM))[:, None]

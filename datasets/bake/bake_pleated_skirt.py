@@ -19,7 +19,9 @@ WIDTH_WAIST, WIDTH_HEM = 1.40, 2.10  # [m] of the cloth laid flat
 WAISTBAND = 0.029  # [m] below the upper edge, held by pins
 MARGIN = 0.03  # of the UV square
 ANGLES = 720
-PROVENANCE = "accordion pleats round the convex hull of the baked base body; made by datasets/bake/bake_pleated_skirt.py"
+PROVENANCE = (
+    "accordion pleats round the convex hull of the baked base body; made by datasets/bake/bake_pleated_skirt.py"
+)
 SMOOTHING = 4  # [degrees, cm] of the hull
 
 
@@ -53,7 +55,10 @@ def pleated(grid: Grid) -> dict[str, np.ndarray]:
     outward /= np.linalg.norm(outward, axis=-1, keepdims=True)
     around = np.linalg.norm(np.roll(rings, -1, axis=1) - rings, axis=-1).sum(axis=1)
     wave = 1 - np.abs(np.arange(columns) % (2 * grid.columns) / grid.columns - 1)  # 0 inside, 1 outside
-    rings = rings + fold_depth(around, np.linspace(WIDTH_WAIST, WIDTH_HEM, grid.rows))[:, None, None] * wave[:, None] * outward
+    rings = (
+        rings
+        + fold_depth(around, np.linspace(WIDTH_WAIST, WIDTH_HEM, grid.rows))[:, None, None] * wave[:, None] * outward
+    )
     rings = np.concatenate([rings, rings[:, :1]], axis=1)  # the seam's other copy
     rest = np.concatenate([rings, np.broadcast_to(heights[:, None, None], (*rings.shape[:2], 1))], axis=-1)
     number = np.arange(rest[..., 0].size).reshape(grid.rows, columns + 1)

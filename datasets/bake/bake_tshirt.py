@@ -77,7 +77,11 @@ def main() -> None:
     skin = body_skin()
     fine = fine_tshirt(skin)
     for size, wanted in VERTICES.items():
-        save(f"tshirt-{size}", with_charts(*best_mesh(fine, skin, wanted)), f"{SOURCE}; made by datasets/bake/bake_tshirt.py")
+        save(
+            f"tshirt-{size}",
+            with_charts(*best_mesh(fine, skin, wanted)),
+            f"{SOURCE}; made by datasets/bake/bake_tshirt.py",
+        )
 
 
 if __name__ == "__main__":

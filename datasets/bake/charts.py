@@ -38,7 +38,9 @@ def flatten(points: np.ndarray, faces: np.ndarray, rounds: int = 100) -> np.ndar
         present = flat[i] - flat[j]
         mixed = np.einsum("fe,fex,fey->xyf", cotangents, present, wanted)
         cosine, sine = mixed[0, 0] + mixed[1, 1], mixed[1, 0] - mixed[0, 1]
-        rotations = np.array([[cosine, -sine], [sine, cosine]]) / np.hypot(cosine, sine)  # nearest to `mixed`, shape (2, 2, F)
+        rotations = np.array([[cosine, -sine], [sine, cosine]]) / np.hypot(
+            cosine, sine
+        )  # nearest to `mixed`, shape (2, 2, F)
         pull = cotangents[..., None] * np.einsum("xyf,fey->fex", rotations, wanted)
         sums = np.zeros_like(flat)
         np.add.at(sums, i, pull)

@@ -30,7 +30,9 @@ def card(name: str) -> np.ndarray:
     worn = [render(meshes, view, SIZE, focus) for view in ("front", "back")]
     flat = np.stack([garment.uv[:, 0], np.zeros(len(garment.uv)), garment.uv[:, 1]], axis=1)
     square = np.array([[0, 0, 0], [1, 0, 1]], np.float32)
-    return np.concatenate([*worn, render([RenderMesh(flat, garment.faces, CLOTH)], "front", (400, 400), square)], axis=1)
+    return np.concatenate(
+        [*worn, render([RenderMesh(flat, garment.faces, CLOTH)], "front", (400, 400), square)], axis=1
+    )
 
 
 def main() -> None:

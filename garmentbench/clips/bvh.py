@@ -114,10 +114,14 @@ def _hierarchy(words: _Words) -> list[_Joint]:
             case "}":
                 above.pop()
             case word:
-                raise UserError(f"{words.path}: '{word[:40]}' in joint '{joint.name}'; wanted OFFSET, CHANNELS, JOINT, "
-                                f"End Site or }}; {_REMAKE}")
+                raise UserError(
+                    f"{words.path}: '{word[:40]}' in joint '{joint.name}'; wanted OFFSET, CHANNELS, JOINT, "
+                    f"End Site or }}; {_REMAKE}"
+                )
     if words.at < len(words.words):
-        raise UserError(f"{words.path}: '{words.words[words.at][:40]}' after the root's last }}; wanted one root; {_REMAKE}")
+        raise UserError(
+            f"{words.path}: '{words.words[words.at][:40]}' after the root's last }}; wanted one root; {_REMAKE}"
+        )
     _check(words.path, joints)
     return joints
 
@@ -129,8 +133,10 @@ def _channels(words: _Words, joint: _Joint) -> list[str]:
     channels = [words.next(f"channels of joint '{joint.name}'") for _ in range(int(count))]
     bad = [c for c in channels if c not in _CHANNELS] + [c for c in set(channels) if channels.count(c) > 1]
     if bad:
-        raise UserError(f"{words.path}: channel '{bad[0][:40]}' of joint '{joint.name}'; wanted {int(count)} different "
-                        f"ones, such as Xposition or Zrotation; {_REMAKE}")
+        raise UserError(
+            f"{words.path}: channel '{bad[0][:40]}' of joint '{joint.name}'; wanted {int(count)} different "
+            f"ones, such as Xposition or Zrotation; {_REMAKE}"
+        )
     return channels
 
 
@@ -152,11 +158,15 @@ def _motion(path: Path, text: str, channels: int) -> tuple[np.ndarray, float]:
     if frames < 1 or frames != int(frames):
         raise UserError(f"{path}: {head[1][:40]} frames; wanted at least one; {_REMAKE}")
     if period < 1 / _FASTEST or period > 10:
-        raise UserError(f"{path}: frame time is {period:g} s; wanted {1 / _FASTEST:g} to 10 s; mend the line 'Frame Time:'")
+        raise UserError(
+            f"{path}: frame time is {period:g} s; wanted {1 / _FASTEST:g} to 10 s; mend the line 'Frame Time:'"
+        )
     values = _numbers(path, text[head.end() :], channels)
     if channels == 0 or len(values) != int(frames) * channels:
-        raise UserError(f"{path}: {len(values)} numbers where {int(frames)} frames of {channels} channels want "
-                        f"{int(frames) * channels}: cut off, or the hierarchy is another's; {_REMAKE}")
+        raise UserError(
+            f"{path}: {len(values)} numbers where {int(frames)} frames of {channels} channels want "
+            f"{int(frames) * channels}: cut off, or the hierarchy is another's; {_REMAKE}"
+        )
     return values.reshape(int(frames), channels), 1 / period
 
 

@@ -29,7 +29,9 @@ class Clip:
 
     def frames(self, start: int, stop: int) -> "Clip":
         """Frames start to stop only."""
-        return replace(self, rotations=self.rotations[start:stop], root=self.root[start:stop], standing=self.standing[start:stop])
+        return replace(
+            self, rotations=self.rotations[start:stop], root=self.root[start:stop], standing=self.standing[start:stop]
+        )
 
     def at(self, frame: np.ndarray, fps: float) -> "Clip":
         """The clip at these frames, shape (N,), which need not be whole numbers: rotations by spherical interpolation."""
@@ -39,7 +41,9 @@ class Clip:
         for joint in range(rotations.shape[1]):
             rotations[:, joint] = Slerp(whole, Rotation.from_matrix(self.rotations[:, joint]))(frame).as_matrix()
         root = np.stack([np.interp(frame, whole, self.root[:, axis]) for axis in range(3)], axis=1)
-        return replace(self, rotations=rotations, root=root, standing=self.standing[np.round(frame).astype(int)], fps=fps)
+        return replace(
+            self, rotations=rotations, root=root, standing=self.standing[np.round(frame).astype(int)], fps=fps
+        )
 
     def from_origin(self, frame: int) -> "Clip":
         """The clip turned about the vertical and moved, so that at `frame` its hips are over the origin and face -y."""

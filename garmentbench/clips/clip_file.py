@@ -21,9 +21,16 @@ def save_clip(clip: Clip, joint_names: tuple[str, ...], notes: str, path: Path) 
     """Write a clip: its arrays (as in `Clip`; rotations and root in float32), joint names and provenance. Raises `UserError`."""
     with written_whole(path) as partial, partial.open("wb") as file:
         np.savez_compressed(
-            file, kind=np.array(KIND), rotations=clip.rotations.astype(np.float32), root=clip.root.astype(np.float32),
-            standing=clip.standing, fps=np.array(clip.fps), leg=np.array(clip.leg), joint_names=np.array(joint_names),
-            notes=np.array(notes))
+            file,
+            kind=np.array(KIND),
+            rotations=clip.rotations.astype(np.float32),
+            root=clip.root.astype(np.float32),
+            standing=clip.standing,
+            fps=np.array(clip.fps),
+            leg=np.array(clip.leg),
+            joint_names=np.array(joint_names),
+            notes=np.array(notes),
+        )
 
 
 def load_arrays(path: Path) -> dict[str, np.ndarray]:
@@ -34,7 +41,9 @@ def load_arrays(path: Path) -> dict[str, np.ndarray]:
             entries = archive.infolist()
             claimed, stored = sum(e.file_size for e in entries), path.stat().st_size
             if claimed > max(_SMALL, _MOST_COMPRESSED * stored):
-                raise UserError(f"{path}: {stored} bytes that claim to be {claimed / 1e9:.1f} GB; copy or make it again")
+                raise UserError(
+                    f"{path}: {stored} bytes that claim to be {claimed / 1e9:.1f} GB; copy or make it again"
+                )
             return {e.filename.removesuffix(".npy"): read_array(archive, e, stored) for e in entries}
     except DAMAGED as e:
         raise UserError(f"{path}: not a whole npz file ({' '.join(str(e).split())}); copy or make it again") from e
@@ -52,7 +61,9 @@ def clip_of(arrays: dict[str, np.ndarray], baked: BakedBody, path: Path) -> Clip
     shapes = {"rotations": (frames, joints, 3, 3), "root": (frames, 3), "standing": (frames, 2)}
     for key, shape in shapes.items():
         if arrays[key].shape != shape or frames == 0:
-            raise UserError(f"{path}: '{key}' has shape {arrays[key].shape}, wanted {shape}, at least one frame; {_REMAKE}")
+            raise UserError(
+                f"{path}: '{key}' has shape {arrays[key].shape}, wanted {shape}, at least one frame; {_REMAKE}"
+            )
     if tuple(arrays.get("joint_names", ())) != baked.joint_names:
         raise UserError(f"{path}: its joints are not the body's; {_REMAKE}")
     if not (0 < arrays["fps"] <= 1000 and 0.1 < arrays["leg"] < 10):

@@ -22,15 +22,20 @@ def findings(loaded: Loaded, baked: BakedBody) -> Iterator[str]:
     if loaded.recording is not None:
         yield from _skeleton(loaded)
     share = 100 * clip.standing.mean(axis=0)
-    yield (f"result: {len(clip)} frames at {clip.fps:g} a second on body {baked.body.name}; "
-           f"left foot on the ground in {share[0]:.0f} %, right in {share[1]:.0f} %")
+    yield (
+        f"result: {len(clip)} frames at {clip.fps:g} a second on body {baked.body.name}; "
+        f"left foot on the ground in {share[0]:.0f} %, right in {share[1]:.0f} %"
+    )
     before = "" if loaded.unplanted is None else f" (before planting {foot_slide_cm(loaded.unplanted, baked):.2f})"
     low, high = (round(height, 2) + 0.0 for height in foot_heights_cm(clip, baked))  # no -0.00
-    yield (f"feet: slide {foot_slide_cm(clip, baked):.2f} cm a frame at most while they stand{before}; "
-           f"their lowest point is then at {low:.2f} to {high:.2f} cm")
+    yield (
+        f"feet: slide {foot_slide_cm(clip, baked):.2f} cm a frame at most while they stand{before}; "
+        f"their lowest point is then at {low:.2f} to {high:.2f} cm"
+    )
     inside = 100 * arms_inside(clip, baked)
     yield f"arms: fore-arm or hand more than 2 cm inside the rest of the body in {inside:.0f} % of the frames" + (
-        "; --arm-space 10 turns hanging arms outward" if inside > 0 else "")
+        "; --arm-space 10 turns hanging arms outward" if inside > 0 else ""
+    )
 
 
 def _skeleton(loaded: Loaded) -> Iterator[str]:
@@ -38,8 +43,11 @@ def _skeleton(loaded: Loaded) -> Iterator[str]:
     yield f"recording: {len(recording)} frames at {recording.fps:.4g} a second, {recording.seconds:.2f} s, {len(recording.names)} joints"
     if upright.dropped:
         yield f"left out at the start: a rest pose and the jump from it ({upright.dropped} frames)"
-    yield f"up: {upright.up}; unit: {upright.unit}" + (
-        f", which makes the person {upright.height:.2f} m tall" if np.isfinite(upright.height) else "") + "; scaled by the legs"
+    yield (
+        f"up: {upright.up}; unit: {upright.unit}"
+        + (f", which makes the person {upright.height:.2f} m tall" if np.isfinite(upright.height) else "")
+        + "; scaled by the legs"
+    )
     if upright.straightened > 1:
         yield f"elbows: bent by {upright.straightened:.0f} degrees in its T-pose; taken as straight, as on Daz's figures"
     yield from _jumps(loaded)
@@ -59,8 +67,10 @@ def _jumps(loaded: Loaded) -> Iterator[str]:
     if len(fast):
         first, last = ((loaded.upright.dropped + f) / recording.fps for f in (fast[0], fast[-1]))
         joint = recording.names[joints[speed[fast[0]].argmax()]]
-        yield (f"jumps: {len(fast)} frames from {first:.2f} to {last:.2f} s, {joint} first, at up to {speed.max():.0f} m/s: "
-               "faults of the recording; --start and --stop cut them off")
+        yield (
+            f"jumps: {len(fast)} frames from {first:.2f} to {last:.2f} s, {joint} first, at up to {speed.max():.0f} m/s: "
+            "faults of the recording; --start and --stop cut them off"
+        )
 
 
 def _uneven(loaded: Loaded) -> np.ndarray:

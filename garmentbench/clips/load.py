@@ -48,7 +48,9 @@ def load_clip(motion: Motion, baked: BakedBody, fps: float) -> Loaded:
     path = Path(motion.file)
     found = _read(path, baked)
     if (len(found) - 1) / found.fps * fps < 1 - 1e-6:
-        raise UserError(f"{path}: {len(found)} frames at {found.fps:.4g} a second; wanted two or more at {fps:g} a second")
+        raise UserError(
+            f"{path}: {len(found)} frames at {found.fps:.4g} a second; wanted two or more at {fps:g} a second"
+        )
     if isinstance(found, Clip):
         clip = _at_rate(found, fps)
         return Loaded(plant(turn_out(_part(clip, motion, path), motion.arm_space, baked), baked))
@@ -84,5 +86,7 @@ def _part(clip: Clip, motion: Motion, path: Path) -> Clip:
     stop = seconds if motion.stop is None else motion.stop
     first, last = round(motion.start * clip.fps), round(stop * clip.fps)
     if not (0 <= motion.start and first < last < len(clip)):
-        raise UserError(f"{path}: from {motion.start:g} to {stop:g} s asked for, it has 0 to {seconds:.2f} s; change start or stop")
+        raise UserError(
+            f"{path}: from {motion.start:g} to {stop:g} s asked for, it has 0 to {seconds:.2f} s; change start or stop"
+        )
     return clip.frames(first, last + 1)

@@ -12,36 +12,108 @@ OPTIONAL = ("neck", "head", "clavicle.L", "clavicle.R", "toes.L", "toes.R")
 # What each convention calls our joints; * is Left or Right, as the convention writes it, and the first name that a
 # recording has counts.
 _CONVENTIONS = {
-    "Mixamo": (("left", "right"), {
-        "pelvis": "hips", "chest": "spine2", "neck": "neck", "head": "head",
-        "clavicle": "*shoulder", "upper_arm": "*arm", "fore_arm": "*forearm", "hand": "*hand",
-        "thigh": "*upleg", "calf": "*leg", "foot": "*foot", "toes": "*toebase *toe",
-    }),
-    "CMU for MotionBuilder": (("left", "right"), {
-        "pelvis": "hips", "chest": "spine1", "neck": "neck", "head": "head",
-        "clavicle": "*shoulder", "upper_arm": "*arm", "fore_arm": "*forearm", "hand": "*hand",
-        "thigh": "*upleg", "calf": "*leg", "foot": "*foot", "toes": "*toebase",
-    }),
-    "CMU for 3ds Max": (("left", "right"), {
-        "pelvis": "hips", "chest": "chest2 chest", "neck": "neck", "head": "head",
-        "clavicle": "*collar", "upper_arm": "*shoulder", "fore_arm": "*elbow", "hand": "*wrist",
-        "thigh": "*hip", "calf": "*knee", "foot": "*ankle", "toes": "*toe",
-    }),
-    "CMU for Daz": (("l", "r"), {
-        "pelvis": "hip", "chest": "chest", "neck": "neck", "head": "head",
-        "clavicle": "*collar", "upper_arm": "*shldr", "fore_arm": "*forearm", "hand": "*hand",
-        "thigh": "*thigh", "calf": "*shin", "foot": "*foot", "toes": "*footend",
-    }),
-    "CMU as captured": (("l", "r"), {
-        "pelvis": "root", "chest": "thorax", "neck": "lowerneck", "head": "head",
-        "clavicle": "*clavicle", "upper_arm": "*humerus", "fore_arm": "*radius", "hand": "*wrist *hand",
-        "thigh": "*femur", "calf": "*tibia", "foot": "*foot", "toes": "*toes",
-    }),
-    "SMPL": (("left", "right"), {
-        "pelvis": "pelvis", "chest": "spine3", "neck": "neck", "head": "head",
-        "clavicle": "*collar", "upper_arm": "*shoulder", "fore_arm": "*elbow", "hand": "*wrist",
-        "thigh": "*hip", "calf": "*knee", "foot": "*ankle", "toes": "*foot",
-    }),
+    "Mixamo": (
+        ("left", "right"),
+        {
+            "pelvis": "hips",
+            "chest": "spine2",
+            "neck": "neck",
+            "head": "head",
+            "clavicle": "*shoulder",
+            "upper_arm": "*arm",
+            "fore_arm": "*forearm",
+            "hand": "*hand",
+            "thigh": "*upleg",
+            "calf": "*leg",
+            "foot": "*foot",
+            "toes": "*toebase *toe",
+        },
+    ),
+    "CMU for MotionBuilder": (
+        ("left", "right"),
+        {
+            "pelvis": "hips",
+            "chest": "spine1",
+            "neck": "neck",
+            "head": "head",
+            "clavicle": "*shoulder",
+            "upper_arm": "*arm",
+            "fore_arm": "*forearm",
+            "hand": "*hand",
+            "thigh": "*upleg",
+            "calf": "*leg",
+            "foot": "*foot",
+            "toes": "*toebase",
+        },
+    ),
+    "CMU for 3ds Max": (
+        ("left", "right"),
+        {
+            "pelvis": "hips",
+            "chest": "chest2 chest",
+            "neck": "neck",
+            "head": "head",
+            "clavicle": "*collar",
+            "upper_arm": "*shoulder",
+            "fore_arm": "*elbow",
+            "hand": "*wrist",
+            "thigh": "*hip",
+            "calf": "*knee",
+            "foot": "*ankle",
+            "toes": "*toe",
+        },
+    ),
+    "CMU for Daz": (
+        ("l", "r"),
+        {
+            "pelvis": "hip",
+            "chest": "chest",
+            "neck": "neck",
+            "head": "head",
+            "clavicle": "*collar",
+            "upper_arm": "*shldr",
+            "fore_arm": "*forearm",
+            "hand": "*hand",
+            "thigh": "*thigh",
+            "calf": "*shin",
+            "foot": "*foot",
+            "toes": "*footend",
+        },
+    ),
+    "CMU as captured": (
+        ("l", "r"),
+        {
+            "pelvis": "root",
+            "chest": "thorax",
+            "neck": "lowerneck",
+            "head": "head",
+            "clavicle": "*clavicle",
+            "upper_arm": "*humerus",
+            "fore_arm": "*radius",
+            "hand": "*wrist *hand",
+            "thigh": "*femur",
+            "calf": "*tibia",
+            "foot": "*foot",
+            "toes": "*toes",
+        },
+    ),
+    "SMPL": (
+        ("left", "right"),
+        {
+            "pelvis": "pelvis",
+            "chest": "spine3",
+            "neck": "neck",
+            "head": "head",
+            "clavicle": "*collar",
+            "upper_arm": "*shoulder",
+            "fore_arm": "*elbow",
+            "hand": "*wrist",
+            "thigh": "*hip",
+            "calf": "*knee",
+            "foot": "*ankle",
+            "toes": "*foot",
+        },
+    ),
 }
 
 
@@ -94,8 +166,11 @@ def map_names(names: tuple[str, ...], given: dict[str, str], where: str) -> Name
     if missing:
         raise UserError(
             f"{where}: no joint found for {', '.join(missing)} (its names are most like those of {convention}); name them "
-            f"with --map, e.g. --map {names[0]}={missing[0]}. It has {', '.join(n for n in names if not n.endswith(' end'))}")
-    return NameMap({role: joints[role] for role in ROLES if role in joints}, convention if len(joints) > len(given) else "given")
+            f"with --map, e.g. --map {names[0]}={missing[0]}. It has {', '.join(n for n in names if not n.endswith(' end'))}"
+        )
+    return NameMap(
+        {role: joints[role] for role in ROLES if role in joints}, convention if len(joints) > len(given) else "given"
+    )
 
 
 def _guess(names: tuple[str, ...], sides: tuple[str, str], table: dict[str, str]) -> dict[str, str]:

@@ -76,7 +76,9 @@ def _planted(ankle: np.ndarray, sole: np.ndarray, standing: np.ndarray, fps: flo
         moved[start:stop, :2] -= moved[start:stop, :2].mean(axis=0)
     path = ankle + _between(moved, phases, _FADE * fps)
     above = path[:, 2] - height
-    soft = (np.clip(above, -_SOFT, _SOFT) + _SOFT) ** 2 / (4 * _SOFT) + np.maximum(above - _SOFT, 0.0)  # max(above, 0), C1
+    soft = (np.clip(above, -_SOFT, _SOFT) + _SOFT) ** 2 / (4 * _SOFT) + np.maximum(
+        above - _SOFT, 0.0
+    )  # max(above, 0), C1
     path[:, 2] = height + np.where(standing, 0.0, soft)
     return path
 

@@ -75,17 +75,23 @@ def _up_axis(positions: np.ndarray, joints: dict[str, int], where: str) -> str:
     body = np.median(positions[:, joints["chest"]] - feet, axis=0)
     up = max(_AXES, key=lambda a: _AXES[a] @ body)
     if not _AXES[up] @ body > _UPRIGHT * np.linalg.norm(body):
-        raise UserError(f"{where}: no axis is up: the chest is not above the feet; wanted somebody who stands most of the time")
+        raise UserError(
+            f"{where}: no axis is up: the chest is not above the feet; wanted somebody who stands most of the time"
+        )
     return up
 
 
 def _check_bones(positions: np.ndarray, joints: dict[str, int], where: str) -> None:
     """Raises `UserError` where two joints that give a bone its direction are at one place."""
-    bones = [(f"{a}.{side}", f"{b}.{side}") for side in "LR" for a, b in _BONES] + [(f"{a}.L", f"{a}.R") for a in ("thigh", "upper_arm")]
+    bones = [(f"{a}.{side}", f"{b}.{side}") for side in "LR" for a, b in _BONES] + [
+        (f"{a}.L", f"{a}.R") for a in ("thigh", "upper_arm")
+    ]
     size = np.ptp(positions, axis=1).max()
     for a, b in bones:
         if not np.linalg.norm(positions[:, joints[a]] - positions[:, joints[b]], axis=1).min() > 1e-4 * size:
-            raise UserError(f"{where}: {a} and {b} are at one place; wanted a bone of some length, or other names with --map")
+            raise UserError(
+                f"{where}: {a} and {b} are at one place; wanted a bone of some length, or other names with --map"
+            )
 
 
 def _turn_to_z(up: np.ndarray) -> np.ndarray:

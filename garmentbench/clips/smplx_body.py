@@ -41,11 +41,19 @@ def write_own_body(file: Path, models: Path, fps: float, out: Path) -> str:
     poses, trans = poses[::step], trans[::step]
     betas = arrays.get("betas", np.zeros(10))[: model.num_betas]
     if betas.ndim != 1 or len(betas) != model.num_betas or not np.isfinite(betas).all():
-        raise UserError(f"{file}: its array 'betas' has shape {betas.shape}; wanted at least {model.num_betas} finite numbers")
+        raise UserError(
+            f"{file}: its array 'betas' has shape {betas.shape}; wanted at least {model.num_betas} finite numbers"
+        )
     positions = _vertices(model, kind, poses, trans, betas)
     with written_whole(out) as partial, partial.open("wb") as stream:
-        np.savez(stream, positions=positions, faces=np.asarray(model.faces, np.int32), fps=np.array(rate / step),
-                 up=np.array("z"), metres_per_unit=np.array(1.0))
+        np.savez(
+            stream,
+            positions=positions,
+            faces=np.asarray(model.faces, np.int32),
+            fps=np.array(rate / step),
+            up=np.array("z"),
+            metres_per_unit=np.array(1.0),
+        )
     return f"{len(positions)} frames of {positions.shape[1]} vertices at {rate / step:g} a second, {kind} model"
 
 
@@ -55,13 +63,16 @@ def _model(arrays: dict[str, np.ndarray], kind: str, models: Path, file: Path):
     except ModuleNotFoundError as e:
         raise UserError(
             f"{file}: its own body needs the package smplx, which is not installed: pip install smplx, and get the model "
-            "files from https://smpl.is.tue.mpg.de; without --smplx-models the motion is retargeted to our body") from e
+            "files from https://smpl.is.tue.mpg.de; without --smplx-models the motion is retargeted to our body"
+        ) from e
     gender = str(arrays.get("gender", "neutral")).strip("b'\"").lower()
     gender = gender if gender in _GENDERS else "neutral"
     wanted = models / kind / f"{kind.upper()}_{gender.upper()}.{'npz' if kind == 'smplx' else 'pkl'}"
     if not wanted.is_file():
-        raise UserError(f"{wanted}: no such file; wanted the {kind} model files in {models / kind}, from "
-                        f"https://{'smpl-x' if kind == 'smplx' else 'smpl'}.is.tue.mpg.de")
+        raise UserError(
+            f"{wanted}: no such file; wanted the {kind} model files in {models / kind}, from "
+            f"https://{'smpl-x' if kind == 'smplx' else 'smpl'}.is.tue.mpg.de"
+        )
     hands = {"use_pca": False, "flat_hand_mean": True} if kind == "smplx" else {}
     return smplx.create(str(models), model_type=kind, gender=gender, **hands)
 
@@ -87,8 +98,15 @@ def _vertices(model, kind: str, poses: np.ndarray, trans: np.ndarray, betas: np.
 def _split(pose: np.ndarray, kind: str) -> dict[str, np.ndarray]:
     """The parts of a pose, shape (N, P), by the names of the model's arguments."""
     if kind == "smplx":
-        edges = {"global_orient": 3, "body_pose": 66, "jaw_pose": 69, "leye_pose": 72, "reye_pose": 75,
-                 "left_hand_pose": 120, "right_hand_pose": 165}
+        edges = {
+            "global_orient": 3,
+            "body_pose": 66,
+            "jaw_pose": 69,
+            "leye_pose": 72,
+            "reye_pose": 75,
+            "left_hand_pose": 120,
+            "right_hand_pose": 165,
+        }
         starts = [0, *edges.values()]
         parts = {name: pose[:, start:stop] for start, (name, stop) in zip(starts, edges.items())}
         return parts | {"expression": np.zeros((len(pose), 10))}

@@ -48,7 +48,8 @@ class ImportAuthors:
         quiet_warp()
         release = open_release(self.folder, self.garment)
         sequence, told = read_release(
-            release, self.out.stem, self.case, self.split, self.fps, self.units, self.axes, self.frames)
+            release, self.out.stem, self.case, self.split, self.fps, self.units, self.axes, self.frames
+        )
         sequence = measured(sequence)
         sequence_file.save(sequence, self.out)
         percent = sequence.info["interpenetration"]["strict_percent"]
@@ -92,4 +93,6 @@ class ImportAuthorsModel:
         run = keep(method, "authors", release.folder.resolve().name, data, RunStore())
         print("\n".join(told))
         print(f"{run.id}: {run.folder}")
-        print(f"evaluate it on a sequence of garmentbench import-authors: garmentbench evaluate {run.id} --scene FILE.h5")
+        print(
+            f"evaluate it on a sequence of garmentbench import-authors: garmentbench evaluate {run.id} --scene FILE.h5"
+        )

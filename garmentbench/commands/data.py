@@ -63,7 +63,8 @@ def _in_parallel(names: list[str], size: "Preset", workers: int) -> list[Path]:
     from garmentbench.scene import load_scene
 
     jobs = [
-        Job((name,), f"simulate {name}", make_sequence, arguments=(name, size), cost=load_scene(name).frames) for name in names
+        Job((name,), f"simulate {name}", make_sequence, arguments=(name, size), cost=load_scene(name).frames)
+        for name in names
     ]
     made = run_jobs({job.key: job for job in jobs}, workers)
     results = [made[job.key] for job in jobs]

@@ -65,9 +65,11 @@ class Import:
         quiet_warp()
         given = Given(self.units, self.up, self.fps)
         wanted = Wanted(
-            self.out.stem, given, self.split, self.name, self.body_name, self.kind, self.frames, self.make_uv)
+            self.out.stem, given, self.split, self.name, self.body_name, self.kind, self.frames, self.make_uv
+        )
         said = import_files(
-            (self.garment, self.template, self.mesh), (self.body, self.body_template, self.body_mesh), wanted, self.out)
+            (self.garment, self.template, self.mesh), (self.body, self.body_template, self.body_mesh), wanted, self.out
+        )
         print("\n".join(said))
         print(f"{self.out}: use it as a scene, e.g. garmentbench train skinning --scene {self.out}")
 

@@ -114,7 +114,9 @@ class Evaluate:
         _ready(self.preset, self.device, *([] if finished else [self.train_scene]), self.scene)
         trained = RunStore().get(self.method) if finished else _trained(self)
         run = evaluate(trained, self.scene, preset(self.preset), RunStore())
-        print_table([{k: row.get(k) for k in ("metric", "horizon", "value", "unit", "status")} for row in run.results["rows"]])
+        print_table(
+            [{k: row.get(k) for k in ("metric", "horizon", "value", "unit", "status")} for row in run.results["rows"]]
+        )
         print(f"{run.id}: {run.folder}")
 
 

@@ -62,8 +62,14 @@ class ImportMotion:
         one_thread()
         quiet_warp()
         baked = load_body(self.body, "small")
-        motion = Motion("clip", file=str(self.file), start=self.start, stop=self.stop, arm_space=self.arm_space,
-                        map=_name_map(self.map))
+        motion = Motion(
+            "clip",
+            file=str(self.file),
+            start=self.start,
+            stop=self.stop,
+            arm_space=self.arm_space,
+            map=_name_map(self.map),
+        )
         loaded = load_clip(motion, baked, self.fps)
         for line in findings(loaded, baked):
             print(line)
@@ -96,9 +102,9 @@ def _name_map(given: tuple[str, ...]) -> dict[str, str]:
             try:
                 table = tomllib.loads(Path(word).read_text())
             except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as e:
-                raise UserError(f"{word}: can't be read as TOML ({e}); wanted lines such as Hips = \"pelvis\"") from e
+                raise UserError(f'{word}: can\'t be read as TOML ({e}); wanted lines such as Hips = "pelvis"') from e
             if not all(isinstance(ours, str) for ours in table.values()):
-                raise UserError(f"{word}: wanted lines such as Hips = \"pelvis\" only")
+                raise UserError(f'{word}: wanted lines such as Hips = "pelvis" only')
             out |= table
         elif word.count("=") == 1:
             theirs, ours = word.split("=")

@@ -68,7 +68,9 @@ class Runs:
         store = RunStore()
         if self.compare:
             runs = [store.get(name) for name in self.compare]
-            print_table([{"": key} | dict(zip((r.id for r in runs), values, strict=True)) for key, values in compare(runs)])
+            print_table(
+                [{"": key} | dict(zip((r.id for r in runs), values, strict=True)) for key, values in compare(runs)]
+            )
             return
         runs = store.list(dict(f.split("=", 1) for f in self.filters))
         print_table(list_rows(runs))

@@ -35,7 +35,12 @@ class VbdSettings:
 
 
 def newton_model(
-    fabric: Fabric, faces: np.ndarray, obstacle: Obstacle | None, material: Material, settings: Settings, vbd: VbdSettings
+    fabric: Fabric,
+    faces: np.ndarray,
+    obstacle: Obstacle | None,
+    material: Material,
+    settings: Settings,
+    vbd: VbdSettings,
 ) -> tuple["newton.Model", list["wp.Mesh"]]:
     """Newton's model of a fabric at rest, flat at rest in bending as the reference, and the obstacle's Warp meshes.
 
@@ -55,10 +60,21 @@ def newton_model(
     damping = 2 * settings.contact_damping * float(np.median(fabric.mass)) * settings.contact_frequency
     builder = newton.ModelBuilder(gravity=(0.0, 0.0, -settings.gravity))
     builder.add_cloth_mesh(
-        pos=wp.vec3(0.0), rot=wp.quat_identity(), scale=1.0, vel=wp.vec3(0.0),
-        vertices=fabric.rest.tolist(), indices=faces.ravel().tolist(), density=material.density,
-        tri_ke=lame, tri_ka=lame, tri_kd=material.stretch_damping * lame / 4,  # it damps C = F^T F, about twice the strain
-        tri_drag=0.0, tri_lift=0.0, edge_ke=0.0, edge_kd=0.0, particle_radius=material.thickness,
+        pos=wp.vec3(0.0),
+        rot=wp.quat_identity(),
+        scale=1.0,
+        vel=wp.vec3(0.0),
+        vertices=fabric.rest.tolist(),
+        indices=faces.ravel().tolist(),
+        density=material.density,
+        tri_ke=lame,
+        tri_ka=lame,
+        tri_kd=material.stretch_damping * lame / 4,  # it damps C = F^T F, about twice the strain
+        tri_drag=0.0,
+        tri_lift=0.0,
+        edge_ke=0.0,
+        edge_kd=0.0,
+        particle_radius=material.thickness,
     )
     for p, mass in enumerate(fabric.mass):
         builder.particle_mass[p] = float(mass)

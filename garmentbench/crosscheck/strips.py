@@ -107,7 +107,9 @@ def reference_fall(strip: Strip, material: Material, settings: Settings) -> floa
 def vbd_fall(strip: Strip, material: Material, settings: Settings, vbd: VbdSettings) -> float:
     """How far a strip's end falls in VBD [m]."""
     garment = strip.garment()
-    return strip.fall(drive_vbd(garment, strip.start(garment.rest), None, FRAMES, FPS, material, settings, vbd).positions)
+    return strip.fall(
+        drive_vbd(garment, strip.start(garment.rest), None, FRAMES, FPS, material, settings, vbd).positions
+    )
 
 
 def fitted(name: str, vbd: VbdSettings, ratio: Callable[[VbdSettings], float]) -> tuple[VbdSettings, float]:
@@ -121,7 +123,9 @@ def fitted(name: str, vbd: VbdSettings, ratio: Callable[[VbdSettings], float]) -
         points.append((scale, float(np.log(ratio(replace(vbd, **{name: float(np.exp(scale))}))))))
         slope = -1.0
         if len(points) > 1 and points[-1][0] != points[-2][0]:
-            slope = min((points[-1][1] - points[-2][1]) / (points[-1][0] - points[-2][0]), -0.1)  # stiffer always falls less
+            slope = min(
+                (points[-1][1] - points[-2][1]) / (points[-1][0] - points[-2][0]), -0.1
+            )  # stiffer always falls less
         scale = scale - points[-1][1] / slope
         if abs(points[-1][1]) < CLOSE:
             break

@@ -93,8 +93,14 @@ class _World:
     """Newton's model, its solver, and two states in turn."""
 
     def __init__(
-        self, fabric: Fabric, faces: np.ndarray, start: np.ndarray, obstacle: Obstacle | None,
-        material: Material, settings: Settings, vbd: VbdSettings,
+        self,
+        fabric: Fabric,
+        faces: np.ndarray,
+        start: np.ndarray,
+        obstacle: Obstacle | None,
+        material: Material,
+        settings: Settings,
+        vbd: VbdSettings,
     ) -> None:
         import newton
         import warp as wp

@@ -87,7 +87,9 @@ def _still_doubled(mesh: Mesh, place: np.ndarray, closed: np.ndarray) -> np.ndar
     """Points that share a place with a point which neither joins nor an edge without length make one with them."""
     edges = mesh.sides.edges
     collapsed = edges[place[edges[:, 0]] == place[edges[:, 1]]]
-    pairs = np.concatenate([collapsed, np.stack([np.arange(len(place)), np.unique(closed, return_index=True)[1][closed]], 1)])
+    pairs = np.concatenate(
+        [collapsed, np.stack([np.arange(len(place)), np.unique(closed, return_index=True)[1][closed]], 1)]
+    )
     known = components(len(place), pairs)
     used = np.zeros(len(place), bool)
     used[mesh.corners] = True
@@ -101,15 +103,21 @@ def coincident_findings(mesh: Mesh) -> list[Finding]:
     if len(open_.cracks):
         at = _edges(mesh, open_.cracks)
         what = f"{counted(len(open_.cracks), 'edge')} where borders coincide and are not joined (cracks), at {at}"
-        found.append(Finding(Problem("cracks", what, "weld them (--fix does), or the cloth falls open"), edges=open_.cracks))
+        found.append(
+            Finding(Problem("cracks", what, "weld them (--fix does), or the cloth falls open"), edges=open_.cracks)
+        )
     if len(open_.uv_seams):
-        missing = "that the file's seams leave out" if mesh.says_seams else "whose two sides are joined by position only"
+        missing = (
+            "that the file's seams leave out" if mesh.says_seams else "whose two sides are joined by position only"
+        )
         what = f"{counted(len(open_.uv_seams), 'edge')} of UV seams {missing}, at {_edges(mesh, open_.uv_seams)}"
         problem = Problem("seams", what, "sew them (--fix does)", warning=not mesh.says_seams)
         found.append(Finding(problem, edges=open_.uv_seams))
     if len(open_.touching):
-        what = (f"{counted(len(open_.touching), 'vertex', 'vertices')} on top of another, along no common border, "
-                f"at vertex {listed(mesh.numbers[open_.touching])}")
+        what = (
+            f"{counted(len(open_.touching), 'vertex', 'vertices')} on top of another, along no common border, "
+            f"at vertex {listed(mesh.numbers[open_.touching])}"
+        )
         do = "move layers apart, or join them along whole edges; --fix leaves them"
         found.append(Finding(Problem("vertices", what, do, warning=True), vertices=open_.touching))
     return found + _apart(mesh)
@@ -123,8 +131,12 @@ def _apart(mesh: Mesh) -> list[Finding]:
     if not len(apart):
         return []
     pairs = mesh.seams[apart]
-    what = f"{counted(len(apart), 'seam pair')} apart at rest, by up to {1e3 * gap.max():.3g} mm, at {_edges(mesh, pairs)}"
-    return [Finding(Problem("seams", what, "bring both to one place, or leave the pair out", warning=True), edges=pairs)]
+    what = (
+        f"{counted(len(apart), 'seam pair')} apart at rest, by up to {1e3 * gap.max():.3g} mm, at {_edges(mesh, pairs)}"
+    )
+    return [
+        Finding(Problem("seams", what, "bring both to one place, or leave the pair out", warning=True), edges=pairs)
+    ]
 
 
 def _edges(mesh: Mesh, edges: np.ndarray) -> str:

@@ -20,7 +20,9 @@ def non_manifold(mesh: Mesh) -> list[Finding]:
     found = []
     edges = mesh.vertex[mesh.sides.edges[mesh.sides.count > 2]]
     if len(edges):
-        what = f"{counted(len(edges), 'edge')} with more than two faces (not manifold), at {listed(mesh.numbers[edges])}"
+        what = (
+            f"{counted(len(edges), 'edge')} with more than two faces (not manifold), at {listed(mesh.numbers[edges])}"
+        )
         do = "take the sheets of cloth apart there; which one to part is for you to say, --fix leaves it"
         found.append(Finding(Problem("edges", what, do), edges=edges))
     torn = mesh.vertex[torn_points(mesh.corners, mesh.sides, len(mesh.vertex))]
@@ -65,10 +67,16 @@ def flipped(mesh: Mesh, body: Body | None) -> list[Finding]:
     inward = np.flatnonzero(np.isin(way.patch, inward_patches(mesh, way, body)))
     if len(inward):
         patches = len(np.unique(way.patch[inward]))
-        whole = "the whole garment" if len(inward) == len(mesh.faces) else f"{counted(patches, 'patch', 'patches')} of the garment"
+        whole = (
+            "the whole garment"
+            if len(inward) == len(mesh.faces)
+            else f"{counted(patches, 'patch', 'patches')} of the garment"
+        )
         towards = "the inside of the volume that it encloses" if body is None else f"'{body.name}'"
-        what = (f"{whole} ({counted(len(inward), 'face')}) inside out: its normals point towards {towards}, "
-                f"at face {listed(inward)}")
+        what = (
+            f"{whole} ({counted(len(inward), 'face')}) inside out: its normals point towards {towards}, "
+            f"at face {listed(inward)}"
+        )
         problem = Problem("winding", what, "turn all of its faces over (--fix does)", warning=True)
         found.append(Finding(problem, faces=inward))
     return found
@@ -113,8 +121,10 @@ def holes(mesh: Mesh) -> list[Finding]:
     if not len(small):
         return []
     at = listed(mesh.numbers[mesh.vertex[edges[first[small], 0]]])
-    what = (f"{counted(len(small), 'hole')} of less than a tenth of the cloth's size around ({counted(len(around), 'opening')} "
-            f"in all), at vertex {at}")
+    what = (
+        f"{counted(len(small), 'hole')} of less than a tenth of the cloth's size around ({counted(len(around), 'opening')} "
+        f"in all), at vertex {at}"
+    )
     problem = Problem("openings", what, "fill them unless they are meant; --fix leaves them", warning=True)
     return [Finding(problem, edges=mesh.vertex[edges[np.isin(loop, small)]])]
 

@@ -24,7 +24,9 @@ def examine(mesh: Mesh, wearer: Wearer | None = None) -> list[Finding]:
     found += shape.up_axis(metric) + shape.degenerate(metric) + connections.unused(metric)
     found += connections.repeated_faces(metric)
     metric = connections.without_doubles(metric)
-    found += connections.non_manifold(metric) + connections.flipped(metric, None if in_metres is None else in_metres.body)
+    found += connections.non_manifold(metric) + connections.flipped(
+        metric, None if in_metres is None else in_metres.body
+    )
     found += connections.pieces(metric) + connections.holes(metric) + coincident.coincident_findings(metric)
     found += substeps.costly(metric, substeps.cost(metric) if known else None)
     bare = flat.missing(metric)
@@ -51,8 +53,10 @@ def summary(mesh: Mesh) -> str:
     whole = components(len(mesh.vertex), mesh.sides.edges)[mesh.corners[:, 0]]
     low, high = mesh.vertices[mesh.faces].min(axis=(0, 1)), mesh.vertices[mesh.faces].max(axis=(0, 1))
     parts = [
-        counted(len(mesh.vertices), "vertex", "vertices"), counted(len(mesh.faces), "face"),
-        counted(len(np.unique(whole)), "piece"), counted(int(loop.max(initial=-1)) + 1, "opening"),
+        counted(len(mesh.vertices), "vertex", "vertices"),
+        counted(len(mesh.faces), "face"),
+        counted(len(np.unique(whole)), "piece"),
+        counted(int(loop.max(initial=-1)) + 1, "opening"),
         " x ".join(f"{x:.3g}" for x in high - low),
     ]
     if not flat.missing(mesh):

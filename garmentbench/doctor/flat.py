@@ -33,8 +33,10 @@ def outside(mesh: Mesh) -> list[Finding]:
     if not len(bad):
         return []
     low, high = mesh.uv[used].min(axis=0), mesh.uv[used].max(axis=0)
-    what = (f"{counted(len(bad), 'vertex', 'vertices')} outside [0, 1] (UV reach from {_pair(low)} to {_pair(high)}), "
-            f"at vertex {listed(mesh.numbers[bad])}")
+    what = (
+        f"{counted(len(bad), 'vertex', 'vertices')} outside [0, 1] (UV reach from {_pair(low)} to {_pair(high)}), "
+        f"at vertex {listed(mesh.numbers[bad])}"
+    )
     faces = np.flatnonzero(np.isin(mesh.faces, bad).any(axis=1))
     return [Finding(Problem("uv", what, "scale the UV map into the unit square (--fix does)"), faces=faces, in_uv=True)]
 
@@ -86,8 +88,10 @@ def overlapping(mesh: Mesh) -> list[Finding]:
     where = " and ".join(kind for kind, there in zip(kinds, (len(between) > within, within)) if there)
     at_least = "" if found.complete else "at least "
     middle = mesh.uv[mesh.faces[worst[0]]].mean(axis=0)
-    what = (f"{at_least}{counted(len(faces), 'face')} overlap in UV ({where}), by {at_least}{100 * share:.3g} % of the map, "
-            f"most of all faces {worst[0]} and {worst[1]} near UV {_pair(middle)}, at face {listed(faces)}")
+    what = (
+        f"{at_least}{counted(len(faces), 'face')} overlap in UV ({where}), by {at_least}{100 * share:.3g} % of the map, "
+        f"most of all faces {worst[0]} and {worst[1]} near UV {_pair(middle)}, at face {listed(faces)}"
+    )
     problem = Problem("uv", what, "lay the charts side by side, or --fix OUT --make-uv", warning=bool(share < MUCH))
     return [Finding(problem, faces=faces, in_uv=True)]
 

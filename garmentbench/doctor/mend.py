@@ -15,7 +15,11 @@ UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 
 
 def mend(
-    mesh: Mesh, wearer: Wearer | None = None, units: str | None = None, make_uv: bool = False, tolerance: float | None = None
+    mesh: Mesh,
+    wearer: Wearer | None = None,
+    units: str | None = None,
+    make_uv: bool = False,
+    tolerance: float | None = None,
 ) -> tuple[Mesh, list[str]]:
     """Repair a garment. What is mended stays as it is when mended again.
 
@@ -39,7 +43,9 @@ def mend(
         mesh, said = repair(mesh)
         lines += said
         if not len(mesh.faces):
-            raise UserError(f"{mesh.name}: all faces are without area, nothing is left to repair; export the mesh again")
+            raise UserError(
+                f"{mesh.name}: all faces are without area, nothing is left to repair; export the mesh again"
+            )
     mesh, said = repairs.weld_gaps(mesh, tolerance)
     lines += said
     mesh, said = repairs.drop_doubles(mesh)
@@ -72,7 +78,13 @@ def _new_uv(mesh: Mesh) -> tuple[Mesh, list[str]]:
     made = unwrap(mesh.points, mesh.corners)
     pinned = np.isin(made.source, mesh.point[mesh.pins])
     new = replace(
-        mesh, vertices=mesh.points[made.source], faces=made.faces.astype(np.int64), uv=made.uv.astype(np.float64),
-        numbers=mesh.numbers[mesh.vertex][made.source], seams=made.seams.astype(np.int64), pins=np.flatnonzero(pinned))
+        mesh,
+        vertices=mesh.points[made.source],
+        faces=made.faces.astype(np.int64),
+        uv=made.uv.astype(np.float64),
+        numbers=mesh.numbers[mesh.vertex][made.source],
+        seams=made.seams.astype(np.int64),
+        pins=np.flatnonzero(pinned),
+    )
     charts = len(np.unique(flat.charts(new)))
     return new, [f"made a UV map by xatlas: {charts} charts, {len(made.seams)} vertices split along its cuts"]

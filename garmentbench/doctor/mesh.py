@@ -81,8 +81,14 @@ class Mesh:
         seams = np.concatenate([self.seams[whole], self._rejoined(used, self.point[self.seams[~whole]])])
         pins = number[self.pins]
         return replace(
-            self, vertices=self.vertices[used], faces=number[self.faces], uv=None if self.uv is None else self.uv[used],
-            numbers=self.numbers[used], seams=number[seams], pins=pins[pins >= 0])
+            self,
+            vertices=self.vertices[used],
+            faces=number[self.faces],
+            uv=None if self.uv is None else self.uv[used],
+            numbers=self.numbers[used],
+            seams=number[seams],
+            pins=pins[pins >= 0],
+        )
 
     def _rejoined(self, used: np.ndarray, points: np.ndarray) -> np.ndarray:
         """Seam pairs between the used vertices of some points, which a vertex that goes may have joined."""

@@ -41,8 +41,10 @@ def penetration(mesh: Mesh, wearer: Wearer) -> list[Finding]:
     percent, deepest = 100 * len(inside) / len(used), depth[inside[0]]
     places = [(mesh.numbers[i], *mesh.vertices[i]) for i in inside[:_WORST]]
     worst = ", ".join(f"vertex {number} at ({x:.3f}, {y:.3f}, {z:.3f})" for number, x, y, z in places)
-    what = (f"{counted(len(inside), 'vertex', 'vertices')} ({percent:.1f} %) inside '{wearer.body.name}', "
-            f"{1e3 * deepest:.1f} mm deep{_parts(mesh.vertices[inside], wearer)}, worst {worst}")
+    what = (
+        f"{counted(len(inside), 'vertex', 'vertices')} ({percent:.1f} %) inside '{wearer.body.name}', "
+        f"{1e3 * deepest:.1f} mm deep{_parts(mesh.vertices[inside], wearer)}, worst {worst}"
+    )
     shallow = bool(deepest < DEEP)
     too_deep = f"deeper than {1e3 * DEEP:g} mm: fit the garment to this body; --fix leaves it"
     do = "push them out (--fix does)" if shallow else too_deep

@@ -9,7 +9,18 @@ from garmentbench.exchange.polygons import triangulate, what_was_cut
 from garmentbench.hdf5 import reason
 
 # What trimesh's reader was seen to raise on damaged files.
-_ODD = (ValueError, IndexError, KeyError, TypeError, NameError, AttributeError, OverflowError, MemoryError, OSError, SyntaxError)
+_ODD = (
+    ValueError,
+    IndexError,
+    KeyError,
+    TypeError,
+    NameError,
+    AttributeError,
+    OverflowError,
+    MemoryError,
+    OSError,
+    SyntaxError,
+)
 
 
 def read_ply(path: Path) -> MeshSequence:
@@ -17,7 +28,9 @@ def read_ply(path: Path) -> MeshSequence:
     size_of(path, "a PLY file")
     split, whole = (_load(path, parted) for parted in (True, False))  # split: each corner has its own UV
     if whole.get("faces") is None or np.ndim(whole["faces"]) != 2 or not len(whole["faces"]):
-        raise refusal(path, "has no faces of 3 or 4 corners each, wanted a mesh", "export the mesh with its faces, as triangles")
+        raise refusal(
+            path, "has no faces of 3 or 4 corners each, wanted a mesh", "export the mesh with its faces, as triangles"
+        )
     vertices = np.asarray(whole["vertices"], np.float32).reshape(-1, 3)
     polygons = checked_faces(path, np.asarray(whole["faces"], np.int64), len(vertices))
     counts = np.full(len(polygons), polygons.shape[1])

@@ -41,8 +41,15 @@ def read_mesh(path: Path) -> Mesh:
 def mesh_of(garment: Garment) -> Mesh:
     """The garment of a sequence."""
     return Mesh(
-        garment.name, garment.rest.astype(np.float64), garment.faces.astype(np.int64), garment.uv.astype(np.float64),
-        np.arange(len(garment.rest)), garment.seams.astype(np.int64), garment.pins.astype(np.int64), says_seams=True)
+        garment.name,
+        garment.rest.astype(np.float64),
+        garment.faces.astype(np.int64),
+        garment.uv.astype(np.float64),
+        np.arange(len(garment.rest)),
+        garment.seams.astype(np.int64),
+        garment.pins.astype(np.int64),
+        says_seams=True,
+    )
 
 
 def read_wearer(which: str) -> Wearer:
@@ -74,7 +81,9 @@ def _of_corners(read: MeshSequence) -> Mesh:
         return Mesh(read.name, vertices, faces, None if uv is None else np.full((count, 2), np.nan), np.arange(count))
     cut = in_order(count, *split(read.faces, uv))
     at = cut.source
-    return Mesh(read.name, vertices[at], cut.faces.astype(np.int64), cut.uv.astype(np.float64), at, cut.seams.astype(np.int64))
+    return Mesh(
+        read.name, vertices[at], cut.faces.astype(np.int64), cut.uv.astype(np.float64), at, cut.seams.astype(np.int64)
+    )
 
 
 def _garment_file(path: Path) -> Mesh:
@@ -97,4 +106,6 @@ def _garment_file(path: Path) -> Mesh:
         raise UserError(f"{path}: {found}, wanted {_WANTED}; {_AGAIN}")
     notes = {k: str(a) for k, a in arrays.items() if k not in _SHAPES and a.ndim == 0 and a.dtype.kind == "U"}
     uv = None if uv is None else uv.astype(np.float64)
-    return Mesh(path.stem, rest, indices["faces"], uv, np.arange(len(rest)), indices["seams"], indices["pins"], True, notes)
+    return Mesh(
+        path.stem, rest, indices["faces"], uv, np.arange(len(rest)), indices["seams"], indices["pins"], True, notes
+    )

@@ -35,7 +35,9 @@ def merge_points(mesh: Mesh) -> Done:
     whole = ~repeats_a_corner(merged.corners)
     lost, lines = int((~whole).sum()), []
     if len(pairs):
-        lines.append(f"merged the ends of {counted(len(np.unique(np.sort(pairs, axis=1), axis=0)), 'edge')} without length")
+        lines.append(
+            f"merged the ends of {counted(len(np.unique(np.sort(pairs, axis=1), axis=0)), 'edge')} without length"
+        )
     if lost:
         lines.append(f"removed {counted(lost, 'face')} that named a point twice")
         merged = replace(merged, faces=merged.faces[whole])
@@ -85,8 +87,10 @@ def weld_gaps(mesh: Mesh, tolerance: float | None = None) -> Done:
     mended = _merged(sewn, joins[same])
     joined = np.isin(mended.point, mended.point[joins])[:, None]
     mended = replace(mended, vertices=np.where(joined, mended.points[mended.point], mended.vertices))
-    return mended, [f"joined {counted(len(joins), 'pair')} of vertices along coinciding borders "
-                    f"({int(same.sum())} welded, {int((~same).sum())} sewn across UV seams)"]
+    return mended, [
+        f"joined {counted(len(joins), 'pair')} of vertices along coinciding borders "
+        f"({int(same.sum())} welded, {int((~same).sum())} sewn across UV seams)"
+    ]
 
 
 def _without_new_fins(mesh: Mesh, joins: np.ndarray) -> np.ndarray:
@@ -112,7 +116,9 @@ def turn_faces(mesh: Mesh, wearer: Wearer | None) -> Done:
     if inward.any():
         lines.append(f"turned {counted(int(inward.sum()), 'face')} that faced inwards")
     turn = way.turned != inward
-    return (replace(mesh, faces=np.where(turn[:, None], mesh.faces[:, ::-1], mesh.faces)), lines) if lines else (mesh, [])
+    return (
+        (replace(mesh, faces=np.where(turn[:, None], mesh.faces[:, ::-1], mesh.faces)), lines) if lines else (mesh, [])
+    )
 
 
 def fit_uv(mesh: Mesh) -> Done:
@@ -124,7 +130,9 @@ def fit_uv(mesh: Mesh) -> Done:
         return mesh, []
     low = np.floor(used.min(axis=0))
     tiles = max(float(np.ceil(used.max(axis=0) - low).max()), 1.0)
-    moved = f"moved the UV map by ({0 - low[0]:g}, {0 - low[1]:g})" + (f" and scaled it by 1/{tiles:g}" if tiles > 1 else "")
+    moved = f"moved the UV map by ({0 - low[0]:g}, {0 - low[1]:g})" + (
+        f" and scaled it by 1/{tiles:g}" if tiles > 1 else ""
+    )
     return replace(mesh, uv=np.clip((mesh.uv - low) / tiles, 0.0, 1.0)), [f"{moved} into the unit square"]
 
 
@@ -135,4 +143,6 @@ def _merged(mesh: Mesh, pairs: np.ndarray) -> Mesh:
     seams, pins = into[mesh.seams], into[mesh.pins]
     seams = seams[seams[:, 0] != seams[:, 1]]
     once = np.sort(np.unique(np.sort(seams, axis=1), axis=0, return_index=True)[1])
-    return replace(mesh, faces=into[mesh.faces], seams=seams[once], pins=pins[np.sort(np.unique(pins, return_index=True)[1])])
+    return replace(
+        mesh, faces=into[mesh.faces], seams=seams[once], pins=pins[np.sort(np.unique(pins, return_index=True)[1])]
+    )

@@ -53,8 +53,10 @@ def degenerate(mesh: Mesh) -> list[Finding]:
         found.append(Finding(Problem("edges", what, "merge their ends (--fix does)"), edges=points))
     if len(thin):
         thin = thin[np.argsort(ratio[thin], kind="stable")]
-        what = (f"{counted(len(thin), 'sliver')} (height below {SLIVER:g} of the longest edge, {ratio[thin[0]]:.2g} the least), "
-                f"at face {listed(thin)}")
+        what = (
+            f"{counted(len(thin), 'sliver')} (height below {SLIVER:g} of the longest edge, {ratio[thin[0]]:.2g} the least), "
+            f"at face {listed(thin)}"
+        )
         do = "remesh there: the simulator softens slivers; --fix leaves them"
         found.append(Finding(Problem("faces", what, do, warning=True), faces=thin))
     return found

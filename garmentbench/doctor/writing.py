@@ -35,7 +35,12 @@ def _write_npz(path: Path, mesh: Mesh) -> None:
         found = "a garment's .npz needs UV, and this mesh has none for all of it"
         raise UserError(f"{path}: {found}; give --make-uv, or write .obj")
     arrays = {
-        "rest": mesh.vertices.astype(np.float32), "faces": mesh.faces.astype(np.int32), "uv": mesh.uv.astype(np.float32),
-        "seams": mesh.seams.astype(np.int32), "pins": mesh.pins.astype(np.int32), **mesh.notes}
+        "rest": mesh.vertices.astype(np.float32),
+        "faces": mesh.faces.astype(np.int32),
+        "uv": mesh.uv.astype(np.float32),
+        "seams": mesh.seams.astype(np.int32),
+        "pins": mesh.pins.astype(np.int32),
+        **mesh.notes,
+    }
     with written_whole(path) as partial, partial.open("wb") as file:
         np.savez_compressed(file, **arrays)

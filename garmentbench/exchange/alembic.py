@@ -58,8 +58,15 @@ def _mesh(path: Path, name: str, found: tuple) -> MeshSequence:
     length = sampling.getNumSamples()
     times = np.array([sampling.getTimeSampling().getSampleTime(t) for t in range(length)])
     polygons = PolygonFrames(
-        path, name.rsplit("/", 1)[-1], counts, corners, length,
-        lambda t: _points(schema, transforms, float(times[t])), _corner_uv(schema, corners), clockwise=True)
+        path,
+        name.rsplit("/", 1)[-1],
+        counts,
+        corners,
+        length,
+        lambda t: _points(schema, transforms, float(times[t])),
+        _corner_uv(schema, corners),
+        clockwise=True,
+    )
     return from_polygons(polygons, fps=rate_of(path, times), unit=None, up=None)
 
 

@@ -1,11 +1,11 @@
 """Plain arrays by name, in a NumPy .npz or in anybody's HDF5 file (which may be written by h5py, MATLAB or Julia).
 
-    positions (or vertices)   shape (T, V, 3)
-    faces (or triangles)      shape (F, 3), counted from 0
-    uv                        shape (V, 2), or (F, 3, 2) by corner; optional
-    rest                      shape (V, 3); optional
-    pins                      shape (P,), vertices held fast to the body; optional
-    fps, metres_per_unit, up  numbers, and "x", "y" or "z" (in HDF5 of fixed length, e.g. numpy.bytes_("z")); optional
+positions (or vertices)   shape (T, V, 3)
+faces (or triangles)      shape (F, 3), counted from 0
+uv                        shape (V, 2), or (F, 3, 2) by corner; optional
+rest                      shape (V, 3); optional
+pins                      shape (P,), vertices held fast to the body; optional
+fps, metres_per_unit, up  numbers, and "x", "y" or "z" (in HDF5 of fixed length, e.g. numpy.bytes_("z")); optional
 """
 
 import zipfile
@@ -58,8 +58,15 @@ def read_hdf5(path: Path) -> MeshSequence:
 
 def write_npz(path: Path, mesh: MeshSequence) -> None:
     """All arrays as they are, in metres, z up. Raises `UserError` when it can't be written."""
-    arrays = {"positions": mesh.frames, "faces": mesh.faces, "rest": mesh.still, "pins": mesh.pins, "fps": mesh.fps,
-              "metres_per_unit": 1.0, "up": "z"}
+    arrays = {
+        "positions": mesh.frames,
+        "faces": mesh.faces,
+        "rest": mesh.still,
+        "pins": mesh.pins,
+        "fps": mesh.fps,
+        "metres_per_unit": 1.0,
+        "up": "z",
+    }
     if mesh.corner_uv is not None:
         arrays["uv"] = mesh.corner_uv
     with written_whole(path) as partial, partial.open("wb") as file:
@@ -83,8 +90,17 @@ def _mesh(path: Path, arrays: dict[str, np.ndarray]) -> MeshSequence:
         raise refusal(path, f"pins name vertices up to {pins.max()}, there are {vertices}", _AGAIN)
     rest = arrays["rest"].astype(np.float32) if "rest" in arrays else None
     return MeshSequence(
-        path.stem, arrays["positions"], faces, _corner_uv(path, arrays.get("uv"), faces, vertices), rest,
-        _number(path, arrays, "fps"), _number(path, arrays, "metres_per_unit"), _up(path, arrays), pins, files=(path,))
+        path.stem,
+        arrays["positions"],
+        faces,
+        _corner_uv(path, arrays.get("uv"), faces, vertices),
+        rest,
+        _number(path, arrays, "fps"),
+        _number(path, arrays, "metres_per_unit"),
+        _up(path, arrays),
+        pins,
+        files=(path,),
+    )
 
 
 def _check(path: Path, name: str, array: np.ndarray, shape: tuple[int | None, ...]) -> None:
@@ -93,7 +109,9 @@ def _check(path: Path, name: str, array: np.ndarray, shape: tuple[int | None, ..
         return
     fits = array.ndim == len(shape) and all(w in (None, n) for w, n in zip(shape, array.shape))
     if not fits or array.dtype.kind not in kinds or array.size == 0:
-        wanted = f"{'whole numbers' if kinds == 'iu' else 'floats'} of shape ({', '.join(str(w or 'n') for w in shape)})"
+        wanted = (
+            f"{'whole numbers' if kinds == 'iu' else 'floats'} of shape ({', '.join(str(w or 'n') for w in shape)})"
+        )
         raise refusal(path, f"{name} is {array.dtype} of shape {array.shape}, wanted {wanted}", _AGAIN)
 
 

@@ -9,7 +9,13 @@ import numpy as np
 from garmentbench.errors import UserError
 from garmentbench.exchange.authors_axes import Placement, placement
 from garmentbench.exchange.authors_files import (
-    AGAIN, SurfaceSamples, read_arrays, read_groups, read_mesh, read_points, read_samples,
+    AGAIN,
+    SurfaceSamples,
+    read_arrays,
+    read_groups,
+    read_mesh,
+    read_points,
+    read_samples,
 )
 from garmentbench.exchange.authors_release import Release
 from garmentbench.geometry.nearest import nearest_vertices
@@ -61,7 +67,12 @@ def read_release(
     ]
     origin = f"the authors' release, {release.folder.resolve().name}/{case}".rstrip("/")
     imported = {"from": origin, "units": place.unit, "said": told}
-    info = {"scene": scene, "split": split, "motion": Path(case).name or release.folder.resolve().name, "imported": imported}
+    info = {
+        "scene": scene,
+        "split": split,
+        "motion": Path(case).name or release.folder.resolve().name,
+        "imported": imported,
+    }
     return Sequence(Template(garment, body, fps), clothes, bodies, info), told
 
 
@@ -70,7 +81,9 @@ def read_garment(release: Release, place: Placement) -> Garment:
     rest, faces = read_mesh(release.cloth("garment_geo.obj"))
     uv = read_points(release.cloth("garment_uv.obj"))
     if len(uv) != len(rest):
-        raise UserError(f"{release.cloth('garment_uv.obj')}: {len(uv)} points for {len(rest)} vertices; wanted one each")
+        raise UserError(
+            f"{release.cloth('garment_uv.obj')}: {len(uv)} points for {len(rest)} vertices; wanted one each"
+        )
     groups = read_groups(release.cloth("ind_B2O_*.txt"), len(rest))
     seams = [pair for group in groups for pair in combinations(sorted(group.tolist()), 2)]
     pairs = np.array(seams, np.int32).reshape(-1, 2)
@@ -96,7 +109,9 @@ def _common(
         raise UserError(f"{where}: {found}; wanted every frame of a motion, in {where.name} and in body_n")
     left_out = len(set(garment) ^ set(body))
     chosen = both[:most]
-    return {k: (garment[k], body[k]) for k in chosen}, f" ({left_out} of garment or body alone left out)" if left_out else ""
+    return {
+        k: (garment[k], body[k]) for k in chosen
+    }, f" ({left_out} of garment or body alone left out)" if left_out else ""
 
 
 def _read_frames(

@@ -95,4 +95,6 @@ def _unit_of_height(height: float) -> str:
         if SHORTEST <= metres * height <= TALLEST:
             return unit
     known = ", ".join(UNITS)
-    raise UserError(f"uv_body/body_geo.obj: the body is {height:.4g} tall, in no known unit; give --units, one of {known}")
+    raise UserError(
+        f"uv_body/body_geo.obj: the body is {height:.4g} tall, in no known unit; give --units, one of {known}"
+    )

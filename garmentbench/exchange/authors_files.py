@@ -18,7 +18,16 @@ from garmentbench.exchange.obj_text import ObjText
 from garmentbench.geometry.uvmap import Chart
 
 AGAIN = "copy it from the authors' release again"
-_DAMAGED = (ValueError, EOFError, TypeError, SyntaxError, RecursionError, MemoryError, OverflowError, tokenize.TokenError)
+_DAMAGED = (
+    ValueError,
+    EOFError,
+    TypeError,
+    SyntaxError,
+    RecursionError,
+    MemoryError,
+    OverflowError,
+    tokenize.TokenError,
+)
 _HEADERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
 
 

@@ -44,4 +44,6 @@ def choose(path: Path, names: list[str], prim: str, role: str) -> str | None:
         return None
     if len(names) == 1:
         return names[0]
-    raise refusal(path, f"holds {len(names)} meshes ({listed}), wanted to know which is the {role}", f"name it ({option})")
+    raise refusal(
+        path, f"holds {len(names)} meshes ({listed}), wanted to know which is the {role}", f"name it ({option})"
+    )

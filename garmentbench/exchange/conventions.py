@@ -9,7 +9,12 @@ from garmentbench.exchange.mesh_sequence import MeshSequence
 
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
 AXES = {  # new x, y, z as signed axes of the file's (1 is x); all are turns, no mirror images
-    "z": (1, 2, 3), "y": (1, -3, 2), "x": (2, 3, 1), "-z": (1, -2, -3), "-y": (1, 3, -2), "-x": (3, 2, -1),
+    "z": (1, 2, 3),
+    "y": (1, -3, 2),
+    "x": (2, 3, 1),
+    "-z": (1, -2, -3),
+    "-y": (1, 3, -2),
+    "-x": (3, 2, -1),
 }
 HEIGHTS = 1.0, 2.4  # of a standing human body [m]
 SPANS = 0.4, 2.8  # diagonal of a garment's bounding box [m]
@@ -62,11 +67,18 @@ def find_conventions(garment: MeshSequence, body: MeshSequence | None, given: Gi
     person = body if human else None
     up, said_up = _settle("up", given.up, garment.up, other.up, lambda: _guess_up(person))
     units, said_units = _settle(
-        "units", given.units and UNITS[given.units], garment.unit, other.unit, lambda: _guess_unit(garment, person, up[1]))
+        "units",
+        given.units and UNITS[given.units],
+        garment.unit,
+        other.unit,
+        lambda: _guess_unit(garment, person, up[1]),
+    )
     fps, said_fps = _settle("fps", given.fps, garment.fps, other.fps, _no_rate)
     if fps[0] != fps[1] and min(len(garment.frames), len(other.frames)) > 1:
-        raise UserError(f"the garment has {fps[0]:g} frames a second, the body {fps[1]:g}; "
-                        "export both at the same rate, or give --fps if one of the files is wrong")
+        raise UserError(
+            f"the garment has {fps[0]:g} frames a second, the body {fps[1]:g}; "
+            "export both at the same rate, or give --fps if one of the files is wrong"
+        )
     return Conventions(units, up, fps[0], (said_units, said_up, said_fps))
 
 
@@ -79,7 +91,7 @@ def converter(unit: float, up: str) -> np.ndarray:
 
 
 def unit_name(unit: float) -> str:
-    """"cm" for 0.01; a unit without a name in metres."""
+    """ "cm" for 0.01; a unit without a name in metres."""
     return next((name for name, size in UNITS.items() if abs(size / unit - 1) < 1e-6), f"{unit:g} m")
 
 

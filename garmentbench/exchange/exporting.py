@@ -20,10 +20,18 @@ from garmentbench.scene import scene_names
 from garmentbench.sequence import Sequence
 from garmentbench.source import is_file, take_source
 
-ROUNDING = {"obj": 0.5e-6, "pc2": 0.0, "mdd": 0.0, "npz": 0.0, "usd": 0.0}  # [m] what positions lose, plus float32's own
+ROUNDING = {
+    "obj": 0.5e-6,
+    "pc2": 0.0,
+    "mdd": 0.0,
+    "npz": 0.0,
+    "usd": 0.0,
+}  # [m] what positions lose, plus float32's own
 
 
-def take(source: str, preset: Preset, recorded: Path | None = None, frames: int | None = None) -> tuple[Sequence, list[str]]:
+def take(
+    source: str, preset: Preset, recorded: Path | None = None, frames: int | None = None
+) -> tuple[Sequence, list[str]]:
     """What is to be exported, and lines to be said of it.
 
     Args:
@@ -61,7 +69,11 @@ def _rolled_out(name: str, recorded: Path | None) -> tuple[Sequence, list[str]]:
     sequence, roll = sequence_file.load(path), RollOut.load(run.folder / "rollout.h5")
     good = np.isfinite(roll.garment).all(axis=(1, 2))
     count = len(good) if good.all() else int(np.argmin(good))
-    said = [] if good.all() else [f"the roll-out {roll.status} at frame {count}: {count} frames of {len(good)} are written"]
+    said = (
+        []
+        if good.all()
+        else [f"the roll-out {roll.status} at frame {count}: {count} frames of {len(good)} are written"]
+    )
     return replace(sequence.frames(0, count), garment=roll.garment[:count]), said
 
 
@@ -87,8 +99,11 @@ def export(sequence: Sequence, form: str, folder: Path) -> list[Path]:
 def meshes_of(sequence: Sequence) -> dict[str, MeshSequence]:
     """Garment, and body where there is one."""
     cloth, body, fps = sequence.template.garment, sequence.template.body, sequence.template.fps
-    meshes = {"garment": MeshSequence(
-        "garment", sequence.garment, cloth.faces, cloth.uv[cloth.faces], cloth.rest, fps, 1.0, "z", cloth.pins)}
+    meshes = {
+        "garment": MeshSequence(
+            "garment", sequence.garment, cloth.faces, cloth.uv[cloth.faces], cloth.rest, fps, 1.0, "z", cloth.pins
+        )
+    }
     if body is not None:
         meshes["body"] = MeshSequence("body", sequence.body, body.faces, None, body.rest, fps, 1.0, "z")
     return meshes
@@ -116,5 +131,8 @@ def _npz(folder: Path, name: str, mesh: MeshSequence) -> Path:
 
 
 _WRITERS: dict[str, Callable[[Path, str, MeshSequence], Path]] = {
-    "obj": _obj, "pc2": _cache(write_pc2, "pc2"), "mdd": _cache(write_mdd, "mdd"), "npz": _npz,
+    "obj": _obj,
+    "pc2": _cache(write_pc2, "pc2"),
+    "mdd": _cache(write_mdd, "mdd"),
+    "npz": _npz,
 }

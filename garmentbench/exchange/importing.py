@@ -79,14 +79,18 @@ def _own_sequence(source: str) -> Sequence | None:
 def _renamed(sequence: Sequence, body: Place, wanted: Wanted) -> tuple[Sequence, list[str]]:
     template, given = sequence.template, wanted.given
     if body[0] or wanted.make_uv or (given.units, given.up, given.fps) != (None, None, None):
-        raise UsageError("import: a garmentbench sequence says all of itself; only --frames, --split and names go with it")
+        raise UsageError(
+            "import: a garmentbench sequence says all of itself; only --frames, --split and names go with it"
+        )
     count = _frame_count(len(sequence), None, wanted.frames)
     garment = replace(template.garment, name=wanted.garment or template.garment.name)
     worn = None if template.body is None else replace(template.body, name=wanted.body or template.body.name)
     info = sequence.info | {"scene": wanted.scene, "split": wanted.split}
     info.pop(IDENTITY, None)  # it is no longer what a scene was simulated into
     renamed = replace(sequence.frames(0, count), template=replace(template, garment=garment, body=worn), info=info)
-    return renamed, [f"a garmentbench sequence, taken as it is: {count} frames, {template.fps:g} a second, metres, z up"]
+    return renamed, [
+        f"a garmentbench sequence, taken as it is: {count} frames, {template.fps:g} a second, metres, z up"
+    ]
 
 
 def measured(sequence: Sequence) -> Sequence:
@@ -128,10 +132,16 @@ def _body(body: MeshSequence, found: Conventions, wanted: Wanted, count: int) ->
     rest, turned = placed_rest(body, slice(None), unit, up, moving[0])
     height = float(np.ptp(rest, axis=0).max())
     if wanted.kind == HUMAN and wanted.given.units is None and not _LOWEST <= height <= _HIGHEST:
-        what = f"the body measures {height:.3g} m when its unit is {unit_name(unit)}, wanted {_LOWEST:g} to {_HIGHEST:g} m"
+        what = (
+            f"the body measures {height:.3g} m when its unit is {unit_name(unit)}, wanted {_LOWEST:g} to {_HIGHEST:g} m"
+        )
         raise refusal(body.where, what, "give --units, or --kind object if it is no human")
     faces, flipped = (body.faces, False) if wanted.kind == GARMENT else outward(body.faces, rest)
-    said = [*_told(body), *([turned] if turned else []), *(["faces of the body pointed inwards: turned"] if flipped else [])]
+    said = [
+        *_told(body),
+        *([turned] if turned else []),
+        *(["faces of the body pointed inwards: turned"] if flipped else []),
+    ]
     if len(body.frames) == 1 and count > 1:
         said.append("the body has one frame: it stands still")
     return Body(wanted.body or body.name, rest, faces, kind=wanted.kind), moving, said
@@ -143,8 +153,10 @@ def _frame_count(garment: int, body: int | None, asked: int | None) -> int:
         raise UsageError(f"--frames is {asked}; the garment has {garment}")
     if body in (None, 1, garment) or (asked is not None and asked <= body):
         return asked or garment
-    raise UserError(f"the garment has {garment} frames, the body {body}; export the same frames of both, or give "
-                    f"--frames {min(garment, body)} where both begin at the same time")
+    raise UserError(
+        f"the garment has {garment} frames, the body {body}; export the same frames of both, or give "
+        f"--frames {min(garment, body)} where both begin at the same time"
+    )
 
 
 def _told(mesh: MeshSequence) -> list[str]:
@@ -161,8 +173,11 @@ def _provenance(garment: MeshSequence, body: MeshSequence | None, found: Convent
     """Plain JSON: what was read (names and SHA-256 only, no folders of this machine), and what was settled."""
     meshes = {"garment": garment} | ({} if body is None else {"body": body})
     return {
-        "files": {name: {"first": mesh.files[0].name, "count": len(mesh.files), "sha256": hash_of(mesh.files)}
-                  for name, mesh in meshes.items() if mesh.files},
+        "files": {
+            name: {"first": mesh.files[0].name, "count": len(mesh.files), "sha256": hash_of(mesh.files)}
+            for name, mesh in meshes.items()
+            if mesh.files
+        },
         "units": [unit_name(u) for u in found.unit],
         "up": list(found.up),
         "said": said,

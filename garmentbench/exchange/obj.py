@@ -115,7 +115,9 @@ def _refuse_mixed(source: str, files: list[Path]) -> None:
     gap = np.flatnonzero(steps != np.median(steps))
     if len(gap):
         before, after = files[gap[0]].name, files[gap[0] + 1].name
-        raise refusal(source, f"{before} is followed by {after}: a frame is missing or too many", "export all frames again")
+        raise refusal(
+            source, f"{before} is followed by {after}: a frame is missing or too many", "export all frames again"
+        )
 
 
 def _uv_and_faces(mesh: MeshSequence) -> bytes:

@@ -135,9 +135,15 @@ class ObjText:
             words = text.split()[1:]
             style = style or [len(words) if kind != "f" else w.count("/") for w in words[:1]]
             same = [w.count("/") for w in words] == style * len(words) if kind == "f" else [len(words)] == style
-            if len(words) < wanted or not same or not all(_is_number(part, kind) for w in words for part in w.split("/")):
+            if (
+                len(words) < wanted
+                or not same
+                or not all(_is_number(part, kind) for w in words for part in w.split("/"))
+            ):
                 like = "corners" if kind == "f" else "numbers"
-                return refusal(self.path, f"line {line + 1} is '{text.strip()[:60]}', wanted {like} as before it", _AGAIN)
+                return refusal(
+                    self.path, f"line {line + 1} is '{text.strip()[:60]}', wanted {like} as before it", _AGAIN
+                )
         return refusal(self.path, f"its {kind} lines can't be read", _AGAIN)
 
 

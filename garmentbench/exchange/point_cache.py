@@ -15,8 +15,15 @@ def with_template(
         found = f"has {frames.shape[1]} points, its template {template.files[0]} has {len(template.still)} vertices"
         raise refusal(path, found, "export both from the same mesh, with no modifier between")
     return MeshSequence(
-        path.stem, frames, template.faces, template.corner_uv, template.still, fps,
-        notes=(*template.notes, *notes), files=(path, *template.files))
+        path.stem,
+        frames,
+        template.faces,
+        template.corner_uv,
+        template.still,
+        fps,
+        notes=(*template.notes, *notes),
+        files=(path, *template.files),
+    )
 
 
 def rate_of(path: Path, times: np.ndarray) -> float | None:
@@ -31,6 +38,8 @@ def rate_of(path: Path, times: np.ndarray) -> float | None:
     if not even:
         with np.errstate(invalid="ignore"):
             bad = int(np.argmax(~(np.abs(steps - np.median(steps)) <= 0.05 * np.abs(np.median(steps)))))
-        found = f"frames {bad} and {bad + 1} are at {times[bad]:g} s and {times[bad + 1]:g} s, wanted evenly spaced times"
+        found = (
+            f"frames {bad} and {bad + 1} are at {times[bad]:g} s and {times[bad + 1]:g} s, wanted evenly spaced times"
+        )
         raise refusal(path, found, "export at a constant frame rate")
     return float(round(1 / step, 3))

@@ -77,4 +77,6 @@ def _with_rest(mesh: MeshSequence, template: MeshSequence) -> MeshSequence:
     if template.faces.shape != mesh.faces.shape or (template.faces != mesh.faces).any():
         raise refusal(template.files[0], f"has other faces than {mesh.files[0].name}", "export both from the same mesh")
     uv = template.corner_uv if mesh.corner_uv is None else mesh.corner_uv
-    return MeshSequence(**vars(mesh) | {"rest": template.still, "corner_uv": uv, "files": (*mesh.files, *template.files)})
+    return MeshSequence(
+        **vars(mesh) | {"rest": template.still, "corner_uv": uv, "files": (*mesh.files, *template.files)}
+    )

@@ -67,7 +67,9 @@ def _packages() -> tuple:
     try:
         from pxr import Tf, Usd, UsdGeom
     except ImportError as e:
-        raise UserError("USD needs the package usd-core; pip install 'garmentbench[usd]', or use PC2, OBJ or npz") from e
+        raise UserError(
+            "USD needs the package usd-core; pip install 'garmentbench[usd]', or use PC2, OBJ or npz"
+        ) from e
     return Usd, UsdGeom, Tf
 
 
@@ -87,14 +89,22 @@ def _mesh(path: Path, stage: "Usd.Stage", mesh: "UsdGeom.Mesh") -> MeshSequence:
     counts = _constant(path, mesh.GetFaceVertexCountsAttr(), codes)
     indices = _constant(path, mesh.GetFaceVertexIndicesAttr(), codes)
     polygons = PolygonFrames(
-        path, prim.GetName(), counts, indices, len(codes),
-        lambda t: _world(mesh, codes[t], mesh.GetPointsAttr().Get(codes[t])), _corner_uv(mesh, codes[0], indices),
-        mesh.GetOrientationAttr().Get() == UsdGeom.Tokens.leftHanded, _rest(mesh, codes[0]))
+        path,
+        prim.GetName(),
+        counts,
+        indices,
+        len(codes),
+        lambda t: _world(mesh, codes[t], mesh.GetPointsAttr().Get(codes[t])),
+        _corner_uv(mesh, codes[0], indices),
+        mesh.GetOrientationAttr().Get() == UsdGeom.Tokens.leftHanded,
+        _rest(mesh, codes[0]),
+    )
     return from_polygons(
         polygons,
         fps=rate_of(path, np.array(codes) / per_second) if len(codes) > 1 else None,
         unit=UsdGeom.GetStageMetersPerUnit(stage) if UsdGeom.StageHasAuthoredMetersPerUnit(stage) else None,
-        up=str(UsdGeom.GetStageUpAxis(stage)).lower() if stage.HasAuthoredMetadata("upAxis") else None)
+        up=str(UsdGeom.GetStageUpAxis(stage)).lower() if stage.HasAuthoredMetadata("upAxis") else None,
+    )
 
 
 def _time_codes(mesh: "UsdGeom.Mesh") -> list:
@@ -122,8 +132,11 @@ def _constant(path: Path, attribute: "Usd.Attribute", codes: list) -> np.ndarray
     values = [np.array(attribute.Get(code) or [], np.int64) for code in (attribute.GetTimeSamples() or codes[:1])]
     for k, value in enumerate(values):
         if not np.array_equal(value, values[0]):
-            raise refusal(path, f"{attribute.GetName()} changes at its sample {k}, wanted one mesh in all frames",
-                          "export the mesh without remeshing")
+            raise refusal(
+                path,
+                f"{attribute.GetName()} changes at its sample {k}, wanted one mesh in all frames",
+                "export the mesh without remeshing",
+            )
     return values[0]
 
 

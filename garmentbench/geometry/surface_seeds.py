@@ -33,7 +33,9 @@ def surface_seeds(
 ) -> SurfaceSeeds:
     """Seed points at given places, see `SurfaceSeeds`, on a canonical body [m], shape (B, 3), of `faces`, shape (F, 3)."""
     near = faces[np.isin(faces, corners).any(axis=1)]
-    return SurfaceSeeds(corners, weights, labels, _positions(rest, corners, weights), _frames(rest, near, corners, weights), near)
+    return SurfaceSeeds(
+        corners, weights, labels, _positions(rest, corners, weights), _frames(rest, near, corners, weights), near
+    )
 
 
 def surface_frames(body: np.ndarray, seeds: SurfaceSeeds) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -50,8 +50,12 @@ def unwrap(positions: np.ndarray, faces: np.ndarray) -> Unwrapped:
         atlas.generate(xatlas.ChartOptions(), packing)
         source, corners, uv = atlas[0]
     except (RuntimeError, ValueError) as e:
-        raise UserError(f"xatlas can't unwrap the mesh ({e}); repair it first: garmentbench check FILE --fix OUT") from e
-    return in_order(len(positions), source.astype(np.int64), corners, np.clip(uv, 0.0, 1.0))  # rounding may leave it by a hair
+        raise UserError(
+            f"xatlas can't unwrap the mesh ({e}); repair it first: garmentbench check FILE --fix OUT"
+        ) from e
+    return in_order(
+        len(positions), source.astype(np.int64), corners, np.clip(uv, 0.0, 1.0)
+    )  # rounding may leave it by a hair
 
 
 def in_order(count: int, source: np.ndarray, corners: np.ndarray, uv: np.ndarray) -> Unwrapped:

@@ -14,7 +14,9 @@ import numpy as np
 from garmentbench.metrics.l2 import l2
 
 
-def change(stressed: np.ndarray, plain: np.ndarray, turn_degrees: float, translate: tuple[float, float, float]) -> float:
+def change(
+    stressed: np.ndarray, plain: np.ndarray, turn_degrees: float, translate: tuple[float, float, float]
+) -> float:
     """Mean distance [cm] over the frames that both have, of positions [m], shape (T, V, 3)."""
     frames = min(len(stressed), len(plain))
     c, s = np.cos(np.radians(turn_degrees)), np.sin(np.radians(turn_degrees))

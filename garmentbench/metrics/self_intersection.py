@@ -36,7 +36,10 @@ def crossing_faces(garment: np.ndarray, faces: np.ndarray, seams: np.ndarray) ->
     garment = garment - garment.mean(axis=1, keepdims=True)  # float32 has most digits near 0
     out = np.zeros((len(garment), len(faces)), bool)
     with wp.ScopedDevice("cpu"):
-        points, cloth = wp.array(garment[0], dtype=wp.vec3), wp.array(_cloth(garment.shape[1], faces, seams), dtype=wp.vec3i)
+        points, cloth = (
+            wp.array(garment[0], dtype=wp.vec3),
+            wp.array(_cloth(garment.shape[1], faces, seams), dtype=wp.vec3i),
+        )
         mesh = wp.Mesh(points, wp.array(faces.astype(np.int32).ravel(), dtype=int))
         for t, frame in enumerate(garment):
             points.assign(frame)

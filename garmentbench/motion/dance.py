@@ -135,7 +135,9 @@ def _order(dance: Dance, seconds: float, scale: float) -> list[_Part]:
     return parts
 
 
-def _plants(baked: BakedBody, parts: list[_Part], side: str, when: Callable[[float], float], scale: float) -> list[Plant]:
+def _plants(
+    baked: BakedBody, parts: list[_Part], side: str, when: Callable[[float], float], scale: float
+) -> list[Plant]:
     """A foot's plants, the first of them in the rest pose."""
     own = [(part, step) for part in parts for step in part.phrase.steps if (step.side == side) != part.mirror]
     leaves = [when(part.start + step.land - step.take) for part, step in own] + [ALWAYS]

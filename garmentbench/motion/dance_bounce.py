@@ -6,6 +6,7 @@ from garmentbench.motion.dance import LOW, Dance, Phrase, Step
 from garmentbench.motion.easing import wave
 from garmentbench.motion.score import Bearing, Hips
 
+
 def _bounces(beats: int, depth: float = 0.075) -> tuple[tuple[float, float], ...]:
     """Down on every beat, up between them."""
     return tuple((k / 2, -depth if k % 2 == 0 else 0.0) for k in range(1, 2 * beats + 1))

@@ -6,6 +6,7 @@ from garmentbench.motion.dance import LOW, Dance, Phrase, Step
 from garmentbench.motion.easing import between, wave
 from garmentbench.motion.score import Bearing, Hips
 
+
 def _latin_arms(b: np.ndarray, space: float = 28.0) -> Bearing:
     follow = wave(b, 2.0, 0.6)
     return {

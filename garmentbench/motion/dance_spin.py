@@ -7,7 +7,10 @@ from garmentbench.motion.easing import between, wave
 from garmentbench.motion.score import Bearing, Hips
 
 _PIVOT = {"raised": 14.0, "pivot": 65.0, "strike": -8.0, "push": 25.0}
-_ROUND, _ROUND_BACK = {"kick": (0.02, 0.15)}, {"kick": (-0.04, -0.15)}  # round the standing foot, in front of or behind it
+_ROUND, _ROUND_BACK = (
+    {"kick": (0.02, 0.15)},
+    {"kick": (-0.04, -0.15)},
+)  # round the standing foot, in front of or behind it
 
 
 def _spin_arms(b: np.ndarray) -> Bearing:

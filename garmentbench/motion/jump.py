@@ -101,7 +101,13 @@ def _bearing(jumps: list[_Jump], t: np.ndarray) -> Bearing:
         lean += [(j.absorbed + 0.05, 3 + 1.2 * bowed), (j.risen, 3.0)]
         tilt += [(j.crouch, 2.0), (j.lowest, 2 + 1.1 * bow), (j.off + 0.03, 2.0), (j.on, 4.0)]
         tilt += [(j.absorbed, 2 + bowed), (j.risen, 2.0)]
-        swing += [(j.crouch, 0.0), (j.lowest - 0.06, -38.0), (j.off + 0.16, j.arms), (j.absorbed + 0.1, -8.0), (j.risen, 0.0)]
+        swing += [
+            (j.crouch, 0.0),
+            (j.lowest - 0.06, -38.0),
+            (j.off + 0.16, j.arms),
+            (j.absorbed + 0.1, -8.0),
+            (j.risen, 0.0),
+        ]
         elbow += [(j.crouch, 25.0), (j.lowest, 22.0), (j.off, 50.0), (j.on, 30.0), (j.absorbed, 50.0), (j.risen, 25.0)]
     bearing = {"lean": eased(lean, t), "tilt": eased(tilt, t)}
     for k, side in enumerate("LR"):

@@ -60,7 +60,10 @@ def perform(baked: BakedBody, score: Score, seconds: np.ndarray, dressed: np.nda
 def _paths(baked: BakedBody, score: Score, end: float) -> _Paths:
     t = np.arange(-round(_BEFORE * RATE), round((end + _AFTER) * RATE) + 1) / RATE
     rolling = tread(baked)
-    feet = {side: foot_path(rolling, side, plants, t, score.shift) for side, plants in (("L", score.left), ("R", score.right))}
+    feet = {
+        side: foot_path(rolling, side, plants, t, score.shift)
+        for side, plants in (("L", score.left), ("R", score.right))
+    }
     bearing = filled(score.bearing(t), t.shape)
     left, begun = _weight_on_left(score, t), smoothstep(t / _BEGINS)
     bearing |= {
@@ -71,9 +74,13 @@ def _paths(baked: BakedBody, score: Score, end: float) -> _Paths:
     heading = gaussian_filter1d(0.5 * (feet["L"].turn + feet["R"].turn), score.smooth * RATE, mode="nearest")
     root = baked.joints[0] + begun[:, None] * (_over_feet(baked, score, feet, bearing, heading) - baked.joints[0])
     times, knots = zip(*score.height)
-    wanted = baked.joints[0, 2] + BPoly.from_derivatives(times, [list(knot) for knot in knots])(np.clip(t, times[0], times[-1]))
+    wanted = baked.joints[0, 2] + BPoly.from_derivatives(times, [list(knot) for knot in knots])(
+        np.clip(t, times[0], times[-1])
+    )
     root[:, 2] = wanted
-    root[:, 2] -= smooth_maximum(wanted - _highest(baked, feet, bearing, heading, root, t), 2 * round(_REACHING * RATE) + 1)
+    root[:, 2] -= smooth_maximum(
+        wanted - _highest(baked, feet, bearing, heading, root, t), 2 * round(_REACHING * RATE) + 1
+    )
     return _Paths(t, feet, bearing, heading, root)
 
 
@@ -124,7 +131,9 @@ def _sampled(paths: _Paths, seconds: np.ndarray) -> _Paths:
     def at(values: np.ndarray) -> np.ndarray:
         return CubicSpline(paths.t, values)(seconds)
 
-    feet = {side: FootPath(**{name: at(values) for name, values in vars(path).items()}) for side, path in paths.feet.items()}
+    feet = {
+        side: FootPath(**{name: at(values) for name, values in vars(path).items()}) for side, path in paths.feet.items()
+    }
     return _Paths(seconds, feet, {name: at(paths.bearing[name]) for name in NEUTRAL}, at(paths.heading), at(paths.root))
 
 

@@ -65,7 +65,10 @@ def _height(scale: float, lands: np.ndarray, contact: np.ndarray) -> list[tuple[
         flight = lands[k + 1] - leave
         off, fall = scale * _OFF, scale * (_OFF - _ON) / (_PERIOD / 2 - _CONTACT)  # [m], [m/s]
         speed = 0.5 * GRAVITY * flight - fall
-        knots += [(leave, (off, speed, -GRAVITY)), (lands[k + 1], (off - fall * flight, speed - GRAVITY * flight, -GRAVITY))]
+        knots += [
+            (leave, (off, speed, -GRAVITY)),
+            (lands[k + 1], (off - fall * flight, speed - GRAVITY * flight, -GRAVITY)),
+        ]
     return knots
 
 

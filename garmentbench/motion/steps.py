@@ -146,7 +146,9 @@ def _swing(tread: Tread, side: str, before: Plant, after: Plant, plants: list[Pl
     ends = []
     for plant, at in ((before, before.leave), (after, after.land)):
         points = _stance(tread, side, plant, plants, at + _NUDGE * np.array([-1.0, 0.0, 1.0]))
-        ends.append([points[1], (points[2] - points[0]) / (2 * _NUDGE), (points[2] - 2 * points[1] + points[0]) / _NUDGE**2])
+        ends.append(
+            [points[1], (points[2] - points[0]) / (2 * _NUDGE), (points[2] - 2 * points[1] + points[0]) / _NUDGE**2]
+        )
     return BPoly.from_derivatives([before.leave, after.land], ends)(t)
 
 

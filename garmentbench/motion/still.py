@@ -15,7 +15,9 @@ def still_score(baked: BakedBody, _: float) -> Score:
     feet = [baked.joints[baked.joint_names.index(f"foot.{side}")] for side in "LR"]
     plants = [[Plant(-ALWAYS, ALWAYS, foot[0], foot[1])] for foot in feet]
     low = (-0.012, 0.0, 0.0)
-    return Score(*plants, height=[(0.0, (0.0, 0.0, 0.0)), (0.4, low), (1.0, low)], bearing=_bearing, hips=Hips(0.0, 0.0))
+    return Score(
+        *plants, height=[(0.0, (0.0, 0.0, 0.0)), (0.4, low), (1.0, low)], bearing=_bearing, hips=Hips(0.0, 0.0)
+    )
 
 
 def _bearing(t: np.ndarray) -> Bearing:
@@ -24,7 +26,11 @@ def _bearing(t: np.ndarray) -> Bearing:
     arms = {
         f"{name}.{side}": mean + share * breath + wander * drift(t / 3, k)
         for side, k in (("L", 2), ("R", 3))
-        for name, mean, share, wander in (("space", 24.0, 0.7, 0.5), ("swing", 2.0, 0.0, 1.0), ("elbow", 22.0, 0.0, 1.0))
+        for name, mean, share, wander in (
+            ("space", 24.0, 0.7, 0.5),
+            ("swing", 2.0, 0.0, 1.0),
+            ("elbow", 22.0, 0.0, 1.0),
+        )
     }
     return arms | {
         "sway": 0.008 * sway, "surge": 0.006 * drift(t / 3, 4), "list": -0.6 * sway,

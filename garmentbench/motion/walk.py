@@ -135,8 +135,14 @@ def swing_path(u: np.ndarray) -> np.ndarray:
 
 
 def _leg(
-    baked: BakedBody, gait: Gait, roll: FootRoll, side: str, phase: np.ndarray, dressed: np.ndarray,
-    root: np.ndarray, rotations: np.ndarray,
+    baked: BakedBody,
+    gait: Gait,
+    roll: FootRoll,
+    side: str,
+    phase: np.ndarray,
+    dressed: np.ndarray,
+    root: np.ndarray,
+    rotations: np.ndarray,
 ) -> None:
     """Foot and toes roll as they must; thigh and calf follow."""
     joint = {name: baked.joint_names.index(f"{name}.{side}") for name in ("thigh", "calf", "foot", "toes")}
@@ -152,7 +158,12 @@ def _leg(
 
 
 def _highest(
-    baked: BakedBody, gait: Gait, roll: FootRoll, phase: np.ndarray, root: np.ndarray, rotations: np.ndarray,
+    baked: BakedBody,
+    gait: Gait,
+    roll: FootRoll,
+    phase: np.ndarray,
+    root: np.ndarray,
+    rotations: np.ndarray,
     stretch: float,
 ) -> np.ndarray:
     """The height of the pelvis joint [m] at which a leg comes to `stretch` of its reach, shape (T,)."""

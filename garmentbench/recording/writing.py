@@ -59,7 +59,9 @@ def write_recording(path: Path, sequence: Sequence, roll_out: RollOut, title: st
         stream.log("about", about(title, sequence, roll_out, frames), static=True)
         _place(stream, sequence, frames)
         _mesh(stream, "scene/reference", template.garment.faces, sequence.garment, frames, lambda _: CLOTH)
-        _mesh(stream, "scene/prediction", template.garment.faces, roll_out.garment, shown, _colours_of(roll_out, sequence))
+        _mesh(
+            stream, "scene/prediction", template.garment.faces, roll_out.garment, shown, _colours_of(roll_out, sequence)
+        )
         if body is not None:
             _mesh(stream, "scene/body", template.body.faces, body, frames, lambda _: SKIN)
         if template.needs.interpenetration and len(shown):

@@ -109,15 +109,17 @@ def convergence_table(found: list[SceneStudy]) -> Table:
         for variant in [v for v in CHANGES if v in study.lines]:
             line = study.lines[variant]
             chosen = variant == CHOSEN
-            rows.append([
-                Cell(study.scene),
-                Cell(CHANGES[variant], bold=chosen),
-                value_cell(line.value("substeps"), chosen, whole=True),
-                centimetres(study.mean(variant), chosen),
-                centimetres(study.mean(variant, "difference_p95"), chosen),
-                value_cell(line.value("ms_per_frame"), chosen),
-                status_cell(line),
-            ])
+            rows.append(
+                [
+                    Cell(study.scene),
+                    Cell(CHANGES[variant], bold=chosen),
+                    value_cell(line.value("substeps"), chosen, whole=True),
+                    centimetres(study.mean(variant), chosen),
+                    centimetres(study.mean(variant, "difference_p95"), chosen),
+                    value_cell(line.value("ms_per_frame"), chosen),
+                    status_cell(line),
+                ]
+            )
     return Table(
         CONVERGENCE,
         "Convergence of the reference",
@@ -146,7 +148,15 @@ def trust_table(found: list[SceneStudy]) -> Table:
         "but says how far the mesh stands for the cloth. Order: of the error in the step, by its fall from 1 to 4 times "
         "the substeps; the integrator's own is 1. There is none where the differences do not fall: the step's error is then "
         "hidden by rounding, or by folds that fall one way or the other for any reason (see the start pushed by a micrometre).",
-        ["scene", "order", "uncertainty [cm]", "finer mesh [cm]", "full model's error [cm]", "measured on", "at most a third"],
+        [
+            "scene",
+            "order",
+            "uncertainty [cm]",
+            "finer mesh [cm]",
+            "full model's error [cm]",
+            "measured on",
+            "at most a third",
+        ],
         rows,
         frozenset({0, 5, 6}),
     )

@@ -32,7 +32,9 @@ def convergence_plot(found: list[SceneStudy]) -> bytes:
             _draw(left, study, {v: study.mean(v, "substeps") for v in SUBSTEPS}, "substeps a frame")
             _draw(right, study, {v: study.mean(v, "ms_per_frame") for v in SUBSTEPS}, "time a frame [ms]")
             left.set(ylabel="difference [cm]", title=study.scene)
-        names = {name: handle for axes in rows.flat for handle, name in zip(*axes.get_legend_handles_labels(), strict=True)}
+        names = {
+            name: handle for axes in rows.flat for handle, name in zip(*axes.get_legend_handles_labels(), strict=True)
+        }
         figure.legend(names.values(), names.keys(), loc="outside lower center", ncols=4, fontsize=9)
         return svg(figure)
 
@@ -45,12 +47,22 @@ def _draw(axes: "Axes", study: SceneStudy, places: dict[str, float], label: str)
     logarithmic(axes.yaxis)
     axes.plot(x[known], y[known], "o-", color=ERROR, label="step, against 8 times the substeps")
     if known[0]:
-        axes.plot(places[CHOSEN], study.mean(CHOSEN), "*", color=ERROR, markersize=17, markeredgecolor="white", zorder=4,
-                  label="the chosen setting")
+        axes.plot(
+            places[CHOSEN],
+            study.mean(CHOSEN),
+            "*",
+            color=ERROR,
+            markersize=17,
+            markeredgecolor="white",
+            zorder=4,
+            label="the chosen setting",
+        )
     for variant, (name, colour, dashes) in LEVELS.items():
         if study.mean(variant) > 0:
             axes.axhline(study.mean(variant), color=colour, linestyle=dashes, linewidth=1.4, label=name)
     if study.model_error > 0:
-        axes.axhline(PART_OF_ERROR * study.model_error, color=BOUND, linewidth=1.4, label="a third of the full model's error")
+        axes.axhline(
+            PART_OF_ERROR * study.model_error, color=BOUND, linewidth=1.4, label="a third of the full model's error"
+        )
     axes.set_xlabel(label)
     axes.margins(0.1)

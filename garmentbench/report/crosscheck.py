@@ -21,25 +21,36 @@ def crosscheck_table(found: list[Line]) -> Table:
     rows = []
     for line in found:
         apart, spread = line.value("difference"), line.value("difference_p95")
-        rows.append([
-            Cell(line.scene),
-            Cell(COMPARED.get(line.variant, line.variant)),
-            centimetres(_mean(apart), bold=line.variant == "full"),
-            centimetres(_mean(spread)),
-            Cell(ABSENT) if apart is None or math.isnan(apart.uncertainty) else centimetres(apart.uncertainty),
-            _both(line.value("interpenetration_strict")),
-            _both(line.value("ms_per_frame")),
-            _strips(line),
-            status_cell(line),
-        ])
+        rows.append(
+            [
+                Cell(line.scene),
+                Cell(COMPARED.get(line.variant, line.variant)),
+                centimetres(_mean(apart), bold=line.variant == "full"),
+                centimetres(_mean(spread)),
+                Cell(ABSENT) if apart is None or math.isnan(apart.uncertainty) else centimetres(apart.uncertainty),
+                _both(line.value("interpenetration_strict")),
+                _both(line.value("ms_per_frame")),
+                _strips(line),
+                status_cell(line),
+            ]
+        )
     return Table(
         CROSSCHECK,
         "Cross-check against Newton's VBD",
         "The same cloth on the same body in an independent engine, from the same start through the same warm-up. Its "
         "stiffness is fitted so that a hanging and a clamped strip end where the reference's do; what is left of their "
         "difference is in the column match. Where two values stand, the first is Newton's and the second the reference's.",
-        ["scene", "compared", "apart [cm]", "95th percentile [cm]", "reference's uncertainty [cm]", "inside [%]",
-         "time a frame [ms]", "match: hanging, clamped [%]", "status"],
+        [
+            "scene",
+            "compared",
+            "apart [cm]",
+            "95th percentile [cm]",
+            "reference's uncertainty [cm]",
+            "inside [%]",
+            "time a frame [ms]",
+            "match: hanging, clamped [%]",
+            "status",
+        ],
         rows,
         frozenset({0, 1, 8}),
     )

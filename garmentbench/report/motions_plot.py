@@ -7,7 +7,18 @@ from matplotlib.figure import Figure
 from garmentbench.report.plots import MARKERS, STYLE, svg
 
 TRAIN_COLOURS = ("#1d2329", "#d55e00")
-TEST_COLOURS = ("#56b4e9", "#0072b2", "#009e73", "#66a61e", "#7b4fb5", "#cc79a7", "#e7298a", "#e69f00", "#a6761d", "#8c8c8c")
+TEST_COLOURS = (
+    "#56b4e9",
+    "#0072b2",
+    "#009e73",
+    "#66a61e",
+    "#7b4fb5",
+    "#cc79a7",
+    "#e7298a",
+    "#e69f00",
+    "#a6761d",
+    "#8c8c8c",
+)
 
 
 def motions_plot(points: dict[str, tuple[str, np.ndarray]]) -> bytes:

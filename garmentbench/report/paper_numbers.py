@@ -69,4 +69,6 @@ PAPER_NUMBERS: list[PaperNumber] = [
 def paper_number(garment: str, motion: str, train_frames: int, metric: str, horizon: int) -> PaperNumber | None:
     """The paper's number of its full model, or None where it has none."""
     wanted = (garment, motion, train_frames, metric, horizon)
-    return next((n for n in PAPER_NUMBERS if (n.garment, n.motion, n.train_frames, n.metric, n.horizon) == wanted), None)
+    return next(
+        (n for n in PAPER_NUMBERS if (n.garment, n.motion, n.train_frames, n.metric, n.horizon) == wanted), None
+    )

@@ -19,17 +19,15 @@ if TYPE_CHECKING:
 
     from garmentbench.report.material import Material
 
-FRAMES = "Error of the free roll-out in each frame (thin) and over 30 frames (thick). A cross: it diverged or failed there."
+FRAMES = (
+    "Error of the free roll-out in each frame (thin) and over 30 frames (thick). A cross: it diverged or failed there."
+)
 TIME = (
     "Error of the whole roll-out against time a frame. Lower left is better; inside the shaded band, differences mean "
     "nothing."
 )
-STRIP = (
-    "Frames of the roll-outs: the reference above, below it what each method (first seed) made of it, coloured by its error."
-)
-LADDER = (
-    "The stress cases, each two thirds into the roll-out: the reference above, below it the methods, coloured by their error."
-)
+STRIP = "Frames of the roll-outs: the reference above, below it what each method (first seed) made of it, coloured by its error."
+LADDER = "The stress cases, each two thirds into the roll-out: the reference above, below it the methods, coloured by their error."
 STEPS = (
     "Difference from the finest run against substeps (left) and run time (right); lines: what another start and a finer mesh "
     "change, and a third of the full model's error. The star is the chosen setting."
@@ -69,7 +67,10 @@ def pictures_of(name: str, lines: list[Line], materials: dict[str, "Material"]) 
     if lines[0].experiment == CROSSCHECK:
         as_it_is = [line for line in lines if line.variant == "full"]
         return [
-            (Picture(f"strips/{name}-{line.scene}.jpg", ENGINES.format(scene=line.scene)), frame_strip([line], materials))
+            (
+                Picture(f"strips/{name}-{line.scene}.jpg", ENGINES.format(scene=line.scene)),
+                frame_strip([line], materials),
+            )
             for line in as_it_is
         ]
     made = [(Picture(f"plots/{name}-frames.svg", FRAMES), error_over_frames(lines, materials))]

@@ -90,17 +90,31 @@ def error_against_time(lines: list[Line]) -> bytes:
                 continue
             colour, marker = looks[line.label]
             axes.errorbar(
-                ms.mean, error.mean, yerr=error.interval, xerr=ms.interval, color=colour, marker=marker, markersize=9,
-                markeredgecolor="white", linestyle="none", capsize=3, label=line.label, zorder=3,
+                ms.mean,
+                error.mean,
+                yerr=error.interval,
+                xerr=ms.interval,
+                color=colour,
+                marker=marker,
+                markersize=9,
+                markeredgecolor="white",
+                linestyle="none",
+                capsize=3,
+                label=line.label,
+                zorder=3,
             )
         logarithmic(axes.xaxis)
         logarithmic(axes.yaxis)
         axes.margins(0.1)
         axes.autoscale_view()
         _floor(axes, lines)
-        simulator = [v.reference for v in (line.value("ms_per_frame") for line in lines) if v and np.isfinite(v.reference)]
+        simulator = [
+            v.reference for v in (line.value("ms_per_frame") for line in lines) if v and np.isfinite(v.reference)
+        ]
         if simulator:
-            axes.axvline(simulator[0], color="#555555", linestyle=":", linewidth=1.2, label="the reference simulator's time")
+            axes.axvline(
+                simulator[0], color="#555555", linestyle=":", linewidth=1.2, label="the reference simulator's time"
+            )
         axes.set(xlabel="time a frame [ms]", ylabel="roll-out error [cm]")
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
         return svg(figure)

@@ -71,8 +71,21 @@ def latex(table: Table) -> str:
 
 
 _TEX = {
-    "\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "%": r"\%", "&": r"\&", "#": r"\#", "_": r"\_", "$": r"\$",
-    "^": r"\textasciicircum{}", "~": r"\textasciitilde{}", "<": r"$<$", ">": r"$>$", "±": r"$\pm$", "–": "--", "²": r"$^2$",
+    "\\": r"\textbackslash{}",
+    "{": r"\{",
+    "}": r"\}",
+    "%": r"\%",
+    "&": r"\&",
+    "#": r"\#",
+    "_": r"\_",
+    "$": r"\$",
+    "^": r"\textasciicircum{}",
+    "~": r"\textasciitilde{}",
+    "<": r"$<$",
+    ">": r"$>$",
+    "±": r"$\pm$",
+    "–": "--",
+    "²": r"$^2$",
     "−": r"$-$",
 }
 
@@ -84,7 +97,7 @@ def _tex(text: str) -> str:
 def html_table(table: Table) -> str:
     """The table as an HTML fragment; its looks are the page's."""
     lines = [f"<!-- {NOTICE} -->", '<div class="table"><table>', "<thead><tr>"]
-    lines += [f'<th{_class(i, table, Cell())}>{html.escape(h)}</th>' for i, h in enumerate(table.header)]
+    lines += [f"<th{_class(i, table, Cell())}>{html.escape(h)}</th>" for i, h in enumerate(table.header)]
     lines.append("</tr></thead>\n<tbody>")
     for row in table.rows:
         cells = [f"<td{_class(i, table, c)}>{_html(c.text)}</td>" for i, c in enumerate(row)]

@@ -29,9 +29,24 @@ TITLES = {
     "stable_frames": "stable",
     "ms_per_frame": "time a frame",
 }
-MAIN = ("interpenetration_before", "interpenetration", "self_intersection", "liveliness", "jitter", "skill", "ms_per_frame")
+MAIN = (
+    "interpenetration_before",
+    "interpenetration",
+    "self_intersection",
+    "liveliness",
+    "jitter",
+    "skill",
+    "ms_per_frame",
+)
 LADDER = (
-    "change", "energy_left", "interpenetration", "self_intersection", "strain_p95", "strain_p99_max", "liveliness", "stable_frames",
+    "change",
+    "energy_left",
+    "interpenetration",
+    "self_intersection",
+    "strain_p95",
+    "strain_p99_max",
+    "liveliness",
+    "stable_frames",
 )
 STABILITY, NEEDS = "stability", "needs"
 NAMES = {  # of the experiments, in the report's order; others follow under their own names
@@ -146,7 +161,9 @@ def _reference_cell(values: list[Value | None]) -> Cell:
 
 def _caption(found: list[Line]) -> str:
     seeds = max(line.rows.seed.nunique() for line in found)
-    interval = f"mean over {seeds} seeds ± half the 95 % confidence interval" if seeds > 1 else "one seed, hence no interval"
+    interval = (
+        f"mean over {seeds} seeds ± half the 95 % confidence interval" if seeds > 1 else "one seed, hence no interval"
+    )
     return (
         f"Scene {found[0].scene}; {interval}. Errors are mean distances to the reference, whose own uncertainty and values "
         "stand in the first line; bold: best by more than that uncertainty."
@@ -187,11 +204,13 @@ def needs_table(results: "pandas.DataFrame") -> Table:
     for (scene, part), group in rows.groupby(["scene", "metric"], sort=True):
         saved = {unit: group.value[group.unit == unit].mean() for unit in units}
         counted = [number(v) if unit != "parameters" else f"{v:,.0f}" for unit, v in saved.items()]
-        cells.append([
-            Cell(scene),
-            Cell(part.removeprefix("left_out:").replace("_", " ")),
-            *(Cell(ABSENT if math.isnan(saved[unit]) else text) for unit, text in zip(units, counted, strict=True)),
-        ])
+        cells.append(
+            [
+                Cell(scene),
+                Cell(part.removeprefix("left_out:").replace("_", " ")),
+                *(Cell(ABSENT if math.isnan(saved[unit]) else text) for unit, text in zip(units, counted, strict=True)),
+            ]
+        )
     return Table(
         NEEDS,
         "What scenes do not need",

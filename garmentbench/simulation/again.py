@@ -16,7 +16,9 @@ from garmentbench.simulation.drive import STRAIN_LIMIT
 from garmentbench.simulation.outfit import Outfit
 
 
-def simulate_again(scene: Scene, preset: Preset, refined: bool, device: str = "cpu") -> tuple[np.ndarray, dict[str, Any]]:
+def simulate_again(
+    scene: Scene, preset: Preset, refined: bool, device: str = "cpu"
+) -> tuple[np.ndarray, dict[str, Any]]:
     """Simulate a scene, of two layers both.
 
     Args:

@@ -118,7 +118,12 @@ def _curvature(rest: np.ndarray, stencils: np.ndarray) -> tuple[np.ndarray, np.n
     Their factor 3 is left out: with it, equilateral triangles bent to a cylinder are three times too stiff.
     """
     x0, x1, x2, x3 = rest[stencils].transpose(1, 0, 2)
-    at0, other0, at1, other1 = _cot(x1 - x0, x2 - x0), _cot(x1 - x0, x3 - x0), _cot(x0 - x1, x2 - x1), _cot(x0 - x1, x3 - x1)
+    at0, other0, at1, other1 = (
+        _cot(x1 - x0, x2 - x0),
+        _cot(x1 - x0, x3 - x0),
+        _cot(x0 - x1, x2 - x1),
+        _cot(x0 - x1, x3 - x1),
+    )
     coefficients = np.column_stack([at1 + other1, at0 + other0, -at0 - at1, -other0 - other1])
     return coefficients, _areas(rest, stencils[:, [0, 1, 2]]) + _areas(rest, stencils[:, [0, 1, 3]])
 

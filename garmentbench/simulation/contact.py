@@ -7,7 +7,9 @@ from garmentbench.geometry.triangle import distance_to_face
 from garmentbench.simulation.kernels import Cloth, Contact
 
 FAR = wp.constant(0.1)  # [m] beyond this a particle has nothing to do with the body
-SLACK = wp.constant(1.0e-4)  # [m] the face that was the nearest bounds the search; others as near decide the sign with it
+SLACK = wp.constant(
+    1.0e-4
+)  # [m] the face that was the nearest bounds the search; others as near decide the sign with it
 STILL = wp.constant(0.06)  # [m] from the skin: the air here moves with the body as a whole
 
 
@@ -81,7 +83,12 @@ def hold(s: Surface, faces: wp.array(dtype=int), c: Cloth, h: Contact, interval:
         b = s.points[ib]
         d = s.points[ic]
         here = held_point(a, b, d, s.hold_at[i])
-        then = held_point(a + interval * s.velocities[ia], b + interval * s.velocities[ib], d + interval * s.velocities[ic], s.hold_at[i])
+        then = held_point(
+            a + interval * s.velocities[ia],
+            b + interval * s.velocities[ib],
+            d + interval * s.velocities[ic],
+            s.hold_at[i],
+        )
         h.point[i] = here
         h.velocity[i] = (then - here) / interval
     else:

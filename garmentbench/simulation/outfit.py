@@ -73,8 +73,17 @@ class Outfit:
             # An inner layer sees one frame more, if there is one: the last frame's tangent is then that of its own scene.
             seen = count + (layer is not self.layers[-1])
             run = drive(
-                layer.garment, layer.start, self.animation.body, self.animation.positions[:seen], self.fps,
-                layer.material, change(layer.settings), device, inner=beneath, step=step)
+                layer.garment,
+                layer.start,
+                self.animation.body,
+                self.animation.positions[:seen],
+                self.fps,
+                layer.material,
+                change(layer.settings),
+                device,
+                inner=beneath,
+                step=step,
+            )
             worn.append(Worn(layer.garment, run))
             count = min(count, worn[-1].finite)
         return worn

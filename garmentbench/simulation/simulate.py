@@ -57,7 +57,9 @@ def simulate(scene: Scene, preset: Preset, device: str = "cpu") -> Sequence:
     if len(worn) > 1:
         info["worn_over"], body, positions = scene.worn_over, worn[-2].body, worn[-2].surface
     garment = worn[-1].run.positions[start:stop].astype(np.float32)
-    return Sequence(Template(worn[-1].garment, body, scene.fps), garment, positions[start:stop].astype(np.float32), info)
+    return Sequence(
+        Template(worn[-1].garment, body, scene.fps), garment, positions[start:stop].astype(np.float32), info
+    )
 
 
 def measure_uncertainty(
@@ -93,7 +95,9 @@ def measure_uncertainty(
 def _steps(outfit: Outfit, frames: int) -> int:
     """Steps of progress that `outfit.simulate(frames)` takes."""
     whole = len(outfit.animation.positions)
-    counts = [min(outfit.animation.warm_up + frames + (layer is not outfit.layers[-1]), whole) for layer in outfit.layers]
+    counts = [
+        min(outfit.animation.warm_up + frames + (layer is not outfit.layers[-1]), whole) for layer in outfit.layers
+    ]
     return sum(count - 1 for count in counts)
 
 

@@ -16,7 +16,9 @@ def squared_frequencies(fabric: Fabric) -> tuple[float, float]:
     Stretch is bounded for every shape the cloth can take, by letting each spring act in all directions at once.
     """
     count, (a, b), k = len(fabric.mass), fabric.edges.T, fabric.stiffness
-    springs = sp.coo_matrix((np.concatenate([k, k, -k, -k]), (np.r_[a, b, a, b], np.r_[a, b, b, a])), shape=(count, count))
+    springs = sp.coo_matrix(
+        (np.concatenate([k, k, -k, -k]), (np.r_[a, b, a, b], np.r_[a, b, b, a])), shape=(count, count)
+    )
     return _largest(springs.tocsr(), fabric.mass), _largest(fabric.bending, fabric.mass)
 
 

@@ -112,4 +112,6 @@ class XpbdSolver(Solver):
         b.stiffness = device_array(fabric.bend_stiffness, float, self.device)
 
     def _integrate(self) -> None:
-        self._launch(advance_xpbd, 1, [self.cloth, self.contact, self.own_contact, self.bends, self.physics, self.steps])
+        self._launch(
+            advance_xpbd, 1, [self.cloth, self.contact, self.own_contact, self.bends, self.physics, self.steps]
+        )

@@ -75,7 +75,9 @@ def load_sdf(checkpoint: dict, path: Path, turn: Tensor) -> SignedDistance:
 
 
 def _encoder_names(halvings: int) -> dict[str, str]:
-    return {f"encoder_1.{k}.conv.0": f"encoder.convs.layers.{k}" for k in range(halvings)} | {"in_ZLinear": "encoder.linear"}
+    return {f"encoder_1.{k}.conv.0": f"encoder.convs.layers.{k}" for k in range(halvings)} | {
+        "in_ZLinear": "encoder.linear"
+    }
 
 
 def _decoder_names(doublings: int) -> dict[str, str]:
@@ -97,7 +99,10 @@ def _fill(module: nn.Module, theirs: State, names: dict[str, str], block: str, t
     for their_layer, our_layer in names.items():
         weight = ours[f"{our_layer}.weight"]
         bias = ours.get(f"{our_layer}.bias")
-        wanted[f"{their_layer}.weight"] = (weight, tuple(weight.flatten(1, 2).shape if weight.ndim == 5 else weight.shape))
+        wanted[f"{their_layer}.weight"] = (
+            weight,
+            tuple(weight.flatten(1, 2).shape if weight.ndim == 5 else weight.shape),
+        )
         outputs = weight.shape[1] if "transConv" in their_layer else weight.shape[0]
         wanted[f"{their_layer}.bias"] = (bias, (outputs,))
     problems = [f"{block}: missing {name}" for name in wanted if name not in theirs]
@@ -120,7 +125,9 @@ def _turned(weight: Tensor, name: str, block: str, turn: Tensor) -> Tensor:
     """A weight for inputs in our axes: sum_k W_k p_k = sum_l W'_l p'_l with p' = turn p, so W'_l = sum_k turn_lk W_k."""
     if weight.ndim == 5:  # seeds' vectors
         return torch.einsum("onkyx,lk->onlyx", weight, turn)
-    if block == "Dynamic_ForceEncoder" and name == "encoder_2.0.conv.0.weight":  # velocity and acceleration are its last 6
+    if (
+        block == "Dynamic_ForceEncoder" and name == "encoder_2.0.conv.0.weight"
+    ):  # velocity and acceleration are its last 6
         vectors = weight[:, -6:].unflatten(1, (2, 3))
         return torch.cat([weight[:, :-6], torch.einsum("okcyx,lc->oklyx", vectors, turn).flatten(1, 2)], dim=1)
     if block == "network" and name in ("lin_0.weight", "lin_4.weight"):  # the point, and the point again at the skip

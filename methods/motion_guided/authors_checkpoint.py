@@ -15,8 +15,21 @@ STATIC = ("Relative_encoder", "Pred_encoder", "Pre_decoder", "skinRadius")
 DYNAMIC = ("Dynamic_ForceEncoder", "Dynamic_Encoder")
 SDF = ("network", "data_center")
 _TENSORS = ("skinRadius", "data_center")  # the other parts are state dicts
-_DAMAGED = (pickle.UnpicklingError, RuntimeError, EOFError, ValueError, KeyError, OSError, AttributeError, TypeError,
-            IndexError, MemoryError, OverflowError, AssertionError, struct.error)
+_DAMAGED = (
+    pickle.UnpicklingError,
+    RuntimeError,
+    EOFError,
+    ValueError,
+    KeyError,
+    OSError,
+    AttributeError,
+    TypeError,
+    IndexError,
+    MemoryError,
+    OverflowError,
+    AssertionError,
+    struct.error,
+)
 
 
 def read_checkpoint(path: Path, parts: tuple[str, ...]) -> dict:
@@ -33,8 +46,10 @@ def read_checkpoint(path: Path, parts: tuple[str, ...]) -> dict:
     wrong = [part for part in parts if not isinstance(found, dict) or not _is_part(part, found.get(part))]
     if wrong:
         holds = ", ".join(map(str, found)) if isinstance(found, dict) else type(found).__name__
-        raise UserError(f"{path}: lacks {', '.join(wrong)}, or they are no state dicts; it holds {holds}; "
-                        f"wanted a checkpoint of the authors with {', '.join(parts)}")
+        raise UserError(
+            f"{path}: lacks {', '.join(wrong)}, or they are no state dicts; it holds {holds}; "
+            f"wanted a checkpoint of the authors with {', '.join(parts)}"
+        )
     return {part: found[part] for part in parts}
 
 

@@ -9,7 +9,13 @@ from garmentbench.errors import UserError
 from garmentbench.exchange.authors import read_garment
 from garmentbench.exchange.authors_axes import Placement, placement
 from garmentbench.exchange.authors_files import (
-    read_arrays, read_chart, read_mesh, read_points, read_samples, read_sampling, read_vectors,
+    read_arrays,
+    read_chart,
+    read_mesh,
+    read_points,
+    read_samples,
+    read_sampling,
+    read_vectors,
 )
 from garmentbench.exchange.authors_release import Release
 from garmentbench.geometry.surface_seeds import SurfaceSeeds, surface_frames, surface_seeds
@@ -40,14 +46,18 @@ def read_model(
     body, faces = read_mesh(release.body("body_geo.obj"))
     place = placement(body, unit, axes)
     if place.unit != "m":
-        raise UserError(f"{release.folder}: in {place.unit}; the authors' networks are in metres, as their constants are, so "
-                        "their checkpoints need data in metres")
+        raise UserError(
+            f"{release.folder}: in {place.unit}; the authors' networks are in metres, as their constants are, so "
+            "their checkpoints need data in metres"
+        )
     first, second = read_checkpoint(static, STATIC), read_checkpoint(dynamic, DYNAMIC)
     config = code_config(sizes_of(first))
     canonical = read_canonical(release, place, body, faces, config.model.map_size)
     if len(canonical.seeds.rest) != config.model.seeds:
-        raise UserError(f"{static}: made for {config.model.seeds} seeds, {release.folder} has {len(canonical.seeds.rest)}; "
-                        "use the checkpoint that belongs to this data")
+        raise UserError(
+            f"{static}: made for {config.model.seeds} seeds, {release.folder} has {len(canonical.seeds.rest)}; "
+            "use the checkpoint that belongs to this data"
+        )
     model = GenerativeModel(canonical, config.model)
     dynamics = DynamicEncoder(config.model, config.model.seeds, touches=True, pose_path=False)
     turn = torch.from_numpy(place.turn)
@@ -67,9 +77,14 @@ def read_canonical(release: Release, place: Placement, body: np.ndarray, faces: 
     chart = read_chart(release.cloth("garment_uvMap_*.txt"), count)
     pixels, weights = read_sampling(release.cloth("garment_*_vertPixel.txt"), count, 2 * size)
     if chart.size != size or any(len(vectors) != count for vectors in axes):
-        where, found = release.folder / f"uv_{release.garment}", f"maps of {chart.size} pixels and {len(axes[0])} tangents"
-        raise UserError(f"{where}: {found}; the checkpoint's networks take maps of {size} pixels, the garment has {count} "
-                        "vertices; use files that belong to each other")
+        where, found = (
+            release.folder / f"uv_{release.garment}",
+            f"maps of {chart.size} pixels and {len(axes[0])} tangents",
+        )
+        raise UserError(
+            f"{where}: {found}; the checkpoint's networks take maps of {size} pixels, the garment has {count} "
+            "vertices; use files that belong to each other"
+        )
     frames = np.stack([place.directions(vectors) for vectors in axes], axis=-1)
     tables = UVTables(chart, pixels, weights, frames)
     return Canonical(garment.rest, garment.faces, garment.uv, garment.seams, seeds, len(body), tables)
@@ -103,10 +118,17 @@ def _seed_difference(release: Release, place: Placement, seeds: SurfaceSeeds) ->
     turns = smallest_rotations(seeds.frames[..., 2], our_normals)
     theirs = place.turn @ rotations @ place.turn.T
     metres = np.linalg.norm(ours - place(positions), axis=-1).max()
-    degrees = [np.degrees(_angle(a)) for a in (np.einsum("nx,nx->n", our_normals, place.directions(normals)),
-                                               (np.einsum("nxy,nxy->n", turns, theirs) - 1) / 2)]
-    return (f"seeds of frame {number} against the stored ones: positions within {1000 * metres:.2f} mm, normals within "
-            f"{degrees[0]:.1f} and rotations within {degrees[1]:.1f} degrees (theirs are the files' normals, ours the faces' mean)")
+    degrees = [
+        np.degrees(_angle(a))
+        for a in (
+            np.einsum("nx,nx->n", our_normals, place.directions(normals)),
+            (np.einsum("nxy,nxy->n", turns, theirs) - 1) / 2,
+        )
+    ]
+    return (
+        f"seeds of frame {number} against the stored ones: positions within {1000 * metres:.2f} mm, normals within "
+        f"{degrees[0]:.1f} and rotations within {degrees[1]:.1f} degrees (theirs are the files' normals, ours the faces' mean)"
+    )
 
 
 def _angle(cosines: np.ndarray) -> float:

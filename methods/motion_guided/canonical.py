@@ -42,8 +42,10 @@ class Canonical:
     def of(cls, template: Template, seed_count: int) -> "Canonical":
         """From a training template. Raises `UserError` where there is no body to be relative to."""
         if template.body is None:
-            raise UserError("motion_guided describes a garment relative to a body, and this scene has none; "
-                            "train it on a scene with a body or an object")
+            raise UserError(
+                "motion_guided describes a garment relative to a body, and this scene has none; "
+                "train it on a scene with a body or an object"
+            )
         g, seeds = template.garment, select_seeds(template, seed_count)
         if not template.needs.part_radii:
             seeds = SeedPoints(**{**vars(seeds), "labels": None})

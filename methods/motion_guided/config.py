@@ -229,9 +229,7 @@ def for_scene(config: Config, needs: Needs) -> Config:
     """The configuration without what a scene does not need: a heading and a pose path are a human body's."""
     if needs.body:
         return config
-    return replace(
-        config, model=replace(config.model, axes="world"), stage2=replace(config.stage2, pose_path=False)
-    )
+    return replace(config, model=replace(config.model, axes="world"), stage2=replace(config.stage2, pose_path=False))
 
 
 def config_from(table: dict) -> Config:
@@ -256,9 +254,7 @@ def _with_linear_paths(full: Config) -> Config:
     return replace(
         full,
         model=replace(full.model, linear_paths=True),
-        stage1=replace(
-            stage1, training=gentle1, posing=Posing(limb_angle=0.2, whole_angle=0.08, code_spread=3.0)
-        ),
+        stage1=replace(stage1, training=gentle1, posing=Posing(limb_angle=0.2, whole_angle=0.08, code_spread=3.0)),
         stage2=replace(
             stage2,
             training=gentle2,

@@ -31,9 +31,7 @@ class TrainingFrames:
         return len(self.garments)
 
 
-def training_frames(
-    sequence: Sequence, canonical: Canonical, options: Model, device: torch.device
-) -> TrainingFrames:
+def training_frames(sequence: Sequence, canonical: Canonical, options: Model, device: torch.device) -> TrainingFrames:
     """Garment and seeds of every frame of a sequence."""
     body = body_frames(sequence.body, canonical.seeds, options.seed_rotation, options.axes, device)
     return TrainingFrames(body.local(sequence.garment), body)

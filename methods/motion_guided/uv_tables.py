@@ -36,7 +36,6 @@ class UVTables:
         sampling = table_matrix(self.pixels, self.weights, large)
         return sampling if size == large else sampling @ enlargement(size, large)
 
-
     def arrays(self) -> dict[str, np.ndarray]:
         """All of it by name, to be stored among other arrays."""
         chart = {f"table_chart_{name}": np.asarray(value) for name, value in vars(self.chart).items()}

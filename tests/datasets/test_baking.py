@@ -49,7 +49,7 @@ def test_hull_radius_of_a_tube_is_its_radius_and_never_shrinks_downwards():
 
     points, faces = grid_tube(31, 180, 0.2, 0.3)
     points[:, 2] += 1.0
-    points[:, :2] *= (0.5 + (points[:, 2:] - 1.0) / 0.6)  # a cone that gets narrower downwards
+    points[:, :2] *= 0.5 + (points[:, 2:] - 1.0) / 0.6  # a cone that gets narrower downwards
     radius = hull_radius(points + [*AXIS, 0], faces, np.array([1.295, 1.15, 1.005]), np.linspace(0, 6, 7))
     np.testing.assert_allclose(radius[0], 0.2 * (0.5 + 0.295 / 0.6), rtol=1e-3)
     np.testing.assert_array_equal(radius[1:], radius[:1].repeat(2, axis=0))
@@ -94,7 +94,9 @@ def test_panels_of_a_tube_meet_in_the_same_points():
     assert len(joined) == 2 * (10 + 1)  # two seams of 30 cm
     both = np.concatenate([front.points, back.points])
     np.testing.assert_allclose(both[joined], both[place[joined]], atol=1e-9)
-    flat, curved = (np.linalg.norm(x[front.faces] - np.roll(x[front.faces], 1, axis=1), axis=2) for x in (front.flat, front.points))
+    flat, curved = (
+        np.linalg.norm(x[front.faces] - np.roll(x[front.faces], 1, axis=1), axis=2) for x in (front.flat, front.points)
+    )
     np.testing.assert_allclose(flat, curved, rtol=0.05)  # half a tube is laid flat without stretching it
 
 

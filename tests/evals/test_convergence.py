@@ -54,8 +54,14 @@ def test_a_scene_s_own_settings_are_multiplied_not_replaced(monkeypatch):
 
 def test_what_is_compared_with_what():
     assert {v.name: v.compared_with for v in VARIANTS.values()} == {
-        CHOSEN: FINEST, "substeps_x2": FINEST, "substeps_x4": FINEST, FINEST: FINEST,
-        "start_1um": CHOSEN, "start_1mm": CHOSEN, "start_1cm": CHOSEN, "mesh_fine": CHOSEN,
+        CHOSEN: FINEST,
+        "substeps_x2": FINEST,
+        "substeps_x4": FINEST,
+        FINEST: FINEST,
+        "start_1um": CHOSEN,
+        "start_1mm": CHOSEN,
+        "start_1cm": CHOSEN,
+        "mesh_fine": CHOSEN,
     }
 
 
@@ -83,7 +89,10 @@ def test_rows_of_a_real_study(results):
     assert 0 < values["mesh_fine", "difference"] < 5.0
     assert values["mesh_fine", "substeps"] > values[CHOSEN, "substeps"]
     assert all(r["method"] == "reference" and r["run_id"] for r in rows)
-    assert {r["status"] for r in rows} == {"ok", "failed"}  # the push of 1 cm strains it by 20 % for a frame of the warm-up
+    assert {r["status"] for r in rows} == {
+        "ok",
+        "failed",
+    }  # the push of 1 cm strains it by 20 % for a frame of the warm-up
 
 
 def test_a_failed_run_keeps_its_row(results):

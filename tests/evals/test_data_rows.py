@@ -16,7 +16,13 @@ from garmentbench.tiny import tiny_sequence
 def test_cards_reach_results_and_stay_when_other_experiments_are_made_again(tmp_path):
     results = {("train", "x"): "train-1", ("sequence", "broken"): Failure("simulate broken", "no")}
     for name, split in (("a", "train"), ("b", "test")):
-        info = {"scene": name, "split": split, "preset": "smoke", "motion": "walk", "simulation": {"status": "ok", "substeps": 88}}
+        info = {
+            "scene": name,
+            "split": split,
+            "preset": "smoke",
+            "motion": "walk",
+            "simulation": {"status": "ok", "substeps": 88},
+        }
         sequence_file.save(replace(tiny_sequence(20), info=info), tmp_path / f"{name}.h5")
         results["sequence", name] = tmp_path / f"{name}.h5"
     rows = _data_rows(results)
@@ -27,5 +33,7 @@ def test_cards_reach_results_and_stay_when_other_experiments_are_made_again(tmp_
     write_results(path, again)
     cards = cards_in(read_results(path))
     assert [(card.scene, card.split, card.status, card.numbers["substeps"]) for card in cards] == [
-        ("a", "train", "ok", 88.0), ("b", "test", "ok", 88.0)]
+        ("a", "train", "ok", 88.0),
+        ("b", "test", "ok", 88.0),
+    ]
     assert (pandas.read_csv(path).experiment == "data").all()

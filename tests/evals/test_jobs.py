@@ -65,7 +65,9 @@ def test_ctrl_c_ends_the_workers(tmp_path):
     script = tmp_path / "main.py"
     script.write_text(code)
     root = str(Path(__file__).resolve().parents[2])
-    parent = subprocess.Popen([sys.executable, script], env=os.environ | {"PYTHONPATH": root}, stderr=subprocess.DEVNULL)
+    parent = subprocess.Popen(
+        [sys.executable, script], env=os.environ | {"PYTHONPATH": root}, stderr=subprocess.DEVNULL
+    )
     deadline = time.monotonic() + 60
     while not (mark.exists() and mark.read_text()) and time.monotonic() < deadline:
         time.sleep(0.1)

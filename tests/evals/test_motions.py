@@ -92,7 +92,12 @@ def test_the_report_has_table_and_map_and_is_remade_byte_for_byte(study):
     assert before == {path.name: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
     table = (folder / "tables" / "motions.md").read_text().splitlines()
     assert [line.split("|")[1].strip() for line in table if line.startswith("| ")][1:] == [
-        "---", "armspace-75", "dance-latin", "armspace-60", "jump"]
+        "---",
+        "armspace-75",
+        "dance-latin",
+        "armspace-60",
+        "jump",
+    ]
     svg = before["motions.svg"].decode()
     assert svg.startswith("<?xml") and 'src="plots/motions.svg"' in (folder / "index.html").read_text()
     points = np.load(root / "runs" / made / POINTS)

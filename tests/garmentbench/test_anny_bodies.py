@@ -11,7 +11,9 @@ from garmentbench.anny_bodies import Phenotype, bake_body
 from garmentbench.bodies import body_names, load_body
 from garmentbench.errors import UsageError, UserError
 
-needs_anny = pytest.mark.skipif(importlib.util.find_spec("anny") is None, reason="Anny is not installed (pip install anny)")
+needs_anny = pytest.mark.skipif(
+    importlib.util.find_spec("anny") is None, reason="Anny is not installed (pip install anny)"
+)
 
 
 @pytest.fixture

@@ -70,10 +70,16 @@ BAD = {
     "millimetres": ({"body__rest": lambda a: 1000 * a}, "in millimetres?; multiply all positions by 0.001"),
     "frames in centimetres": ({"garment__frames": lambda a: 100 * a}, "m long in frame 0"),
     "hash": ({"garment__frames": put((7, 12, 1), 0.5)}, "attribute content_hash: does not fit the arrays"),
-    "another type": ({"garment__frames": lambda a: a.astype(np.float64)}, "garment/frames: float64 of shape (20, 105, 3)"),
+    "another type": (
+        {"garment__frames": lambda a: a.astype(np.float64)},
+        "garment/frames: float64 of shape (20, 105, 3)",
+    ),
     "another shape": ({"garment__faces": lambda a: a[:, :2]}, "garment/faces: int32 of shape (168, 2)"),
     "scalar": ({"garment__frames": lambda a: 3.0}, "garment/frames: float64 of shape ()"),
-    "text": ({"garment__frames": lambda a: "frames"}, "garment/frames: can't be read (garment/frames is not an array of numbers"),
+    "text": (
+        {"garment__frames": lambda a: "frames"},
+        "garment/frames: can't be read (garment/frames is not an array of numbers",
+    ),
     "no frames": ({"garment__frames": lambda a: a[:0], "body__frames": lambda a: a[:0]}, "garment/frames: empty"),
     "a lost body": ({"body__frames": None, "body__rest": None}, "body/rest: missing"),
 }
@@ -91,8 +97,13 @@ def test_each_error_is_told_and_refused(edit, case):
 
 
 def test_everything_is_told_in_one_go(edit):
-    path = edit(garment__frames=put((7, 12), np.nan), body__frames=lambda a: a[:-2], garment__uv=None,
-                garment__faces=put((4, 2), 105), body__rest=lambda a: 100 * a)
+    path = edit(
+        garment__frames=put((7, 12), np.nan),
+        body__frames=lambda a: a[:-2],
+        garment__uv=None,
+        garment__faces=put((4, 2), 105),
+        body__rest=lambda a: 100 * a,
+    )
     told = "\n".join(map(str, check_sequence(path)))
     for part in ("frame 7, vertex 12", "18 frames", "no UV", "names vertex 105", "in centimetres?"):
         assert part in told
@@ -123,7 +134,7 @@ def test_a_garment_that_begins_inside_is_warned_of(tmp_path):
     body = sequence.body.mean(axis=1, keepdims=True)
     sequence.garment[:] = body + 0.8 * (sequence.garment - body)
     save(sequence, tmp_path / "a.h5")
-    problem, = check_sequence(tmp_path / "a.h5")
+    (problem,) = check_sequence(tmp_path / "a.h5")
     assert problem.where == "frame 0" and problem.warning and "100.0 % of the garment's vertices" in problem.what
     with pytest.warns(UserWarning, match="frame 0"):
         load(tmp_path / "a.h5")
@@ -143,7 +154,7 @@ def test_an_open_body_is_warned_of(tmp_path):
     body = sequence.template.body
     object.__setattr__(body, "faces", body.faces[1:])
     save(sequence, tmp_path / "a.h5")
-    problem, = check_sequence(tmp_path / "a.h5")
+    (problem,) = check_sequence(tmp_path / "a.h5")
     assert problem.warning and problem.what.startswith("3 edges don't have two faces")
 
 
@@ -154,13 +165,19 @@ def test_attributes_are_checked(good, tmp_path):
         del file["garment"].attrs["name"]
         file["body"].attrs["kind"] = np.bytes_("horse")
     told = "\n".join(map(str, check_sequence(path)))
-    for part in ("attribute fps: -1", "attribute info: no JSON", "attribute units", "garment attribute name", "'horse'"):
+    for part in (
+        "attribute fps: -1",
+        "attribute info: no JSON",
+        "attribute units",
+        "garment attribute name",
+        "'horse'",
+    ):
         assert part in told
 
 
 def test_what_is_no_file_is_told_too(tmp_path):
     (tmp_path / "a.h5").write_bytes(b"hello")
-    problem, = check_sequence(tmp_path / "a.h5")
+    (problem,) = check_sequence(tmp_path / "a.h5")
     assert problem.where == str(tmp_path / "a.h5") and "not an HDF5 file" in problem.what and problem.do
 
 

@@ -3,7 +3,19 @@
 from dataclasses import replace
 
 import pytest
-from foreign_methods import Config, FitRaises, Forgets, Good, HidesState, NaN, Nameless, Raises, Random, Writes, WrongShape
+from foreign_methods import (
+    Config,
+    FitRaises,
+    Forgets,
+    Good,
+    HidesState,
+    NaN,
+    Nameless,
+    Raises,
+    Random,
+    Writes,
+    WrongShape,
+)
 
 from garmentbench.check_method import check_method
 from garmentbench.presets import preset

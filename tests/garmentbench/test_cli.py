@@ -63,12 +63,19 @@ def process(home: Path, *arguments: str, before: str = "") -> subprocess.Popen:
         f"paths.RUNS, paths.GENERATED = Path({str(home / 'runs')!r}), Path({str(home / 'generated')!r})\n{before}\n"
         f"from garmentbench.cli import main\nsys.exit(main({list(arguments)!r}))"
     )
-    env = os.environ | {"PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), str(paths.ROOT)]), "OMP_NUM_THREADS": "1"}
-    return subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=env)
+    env = os.environ | {
+        "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), str(paths.ROOT)]),
+        "OMP_NUM_THREADS": "1",
+    }
+    return subprocess.Popen(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=env
+    )
 
 
 def test_help_lists_all_commands_and_loads_nothing_heavy():
-    code = "import sys\nfrom garmentbench.cli import main\ntry: main(['--help'])\nexcept SystemExit: print(*sys.modules)"
+    code = (
+        "import sys\nfrom garmentbench.cli import main\ntry: main(['--help'])\nexcept SystemExit: print(*sys.modules)"
+    )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=paths.ROOT, check=True)
     assert all(name in done.stdout for name in COMMANDS)
     assert not {"torch", "numpy", "warp", "rerun", "h5py", "matplotlib", "pandas"} & set(done.stdout.split())
@@ -96,7 +103,10 @@ def test_help_of_each_command_shows_an_example(name, capsys):
         (["simulate", "sheet-stick-a", "--prset", "smoke"], "unknown option '--prset': did you mean '--preset'?"),
         (["simulate", "sheet-stick-a", "--preset", "smok"], "unknown preset 'smok': did you mean 'smoke'?"),
         (["train", "skining", "--preset", "smoke"], "unknown method 'skining': did you mean 'skinning'?"),
-        (["train", "garmentbench.scene:Scene", "--preset", "smoke"], "garmentbench.scene:Scene: is no method: name: is missing"),
+        (
+            ["train", "garmentbench.scene:Scene", "--preset", "smoke"],
+            "garmentbench.scene:Scene: is no method: name: is missing",
+        ),
         (["check-method", "no_such_package:Method"], "no module named 'no_such_package'"),
         (["train", "skinning", "--variant", "ful", "--preset", "smoke"], "did you mean 'full'?"),
         (["train", "skinning", "--device", "gpu"], "unknown device 'gpu'"),
@@ -129,7 +139,11 @@ def test_scenes_lists_and_shows_what_is_left_out(capsys):
     code, out, _ = typed(capsys, "scenes")
     assert code == 0 and "tshirt-armspace-90" in out
     code, out, _ = typed(capsys, "scenes", "sheet-stick-a")
-    assert code == 0 and "left out: body, part_radii, interpenetration, collision_stage" in out and "needs: interaction_force, pins" in out
+    assert (
+        code == 0
+        and "left out: body, part_radii, interpenetration, collision_stage" in out
+        and "needs: interaction_force, pins" in out
+    )
 
 
 def test_methods_lists_methods_and_variants(capsys):
@@ -138,7 +152,11 @@ def test_methods_lists_methods_and_variants(capsys):
 
 
 def test_check_method_tells_what_to_mend(tiny, capsys):
-    assert typed(capsys, "check-method", "foreign_methods:Good") == (0, "foreign_methods:Good: keeps the contract\n", [])
+    assert typed(capsys, "check-method", "foreign_methods:Good") == (
+        0,
+        "foreign_methods:Good: keeps the contract\n",
+        [],
+    )
     code, out, lines = typed(capsys, "check-method", "foreign_methods:NaN")
     assert code == 1 and "frame 7 diverged" in out and len(lines) == 1 and "breaks the contract" in lines[0]
 
@@ -159,8 +177,13 @@ def damaged(path: Path, how: str) -> None:
 
 @pytest.mark.parametrize(
     ("how", "complaint"),
-    [("truncated", "truncated"), ("foreign", "not an HDF5 file"), ("foreign HDF5", "not a garmentbench"),
-     ("newer", "update garmentbench"), ("missing", "no such file")],
+    [
+        ("truncated", "truncated"),
+        ("foreign", "not an HDF5 file"),
+        ("foreign HDF5", "not a garmentbench"),
+        ("newer", "update garmentbench"),
+        ("missing", "no such file"),
+    ],
 )
 def test_check_says_what_is_wrong_with_a_file(home, capsys, how, complaint):
     path = home / "x.h5"
@@ -174,16 +197,24 @@ def test_check_says_what_is_wrong_with_a_file(home, capsys, how, complaint):
 
 def test_a_damaged_sequence_is_never_trained_on(tiny, home, capsys, monkeypatch):
     made = []
-    monkeypatch.setattr("garmentbench.making._simulated", lambda scene, size: made.append(scene.name) or tiny_sequence(20))
+    monkeypatch.setattr(
+        "garmentbench.making._simulated", lambda scene, size: made.append(scene.name) or tiny_sequence(20)
+    )
     damaged(paths.sequence_path("smoke", "tiny"), "truncated")
-    code, _, lines = typed(capsys, "train", "foreign_methods:Good", "--scene", tiny, "--preset", "smoke", "--frames", "10")
+    code, _, lines = typed(
+        capsys, "train", "foreign_methods:Good", "--scene", tiny, "--preset", "smoke", "--frames", "10"
+    )
     assert code == 0 and made == ["tiny"] and "made again now" in lines[0]
     assert len(sequence_file.load(paths.sequence_path("smoke", "tiny"))) == 20
 
 
 @pytest.mark.parametrize(
     ("method", "status", "message"),
-    [("Raises", "failed", "ZeroDivisionError: seventh frame"), ("WrongShape", "failed", "shape"), ("NaN", "diverged", "not finite")],
+    [
+        ("Raises", "failed", "ZeroDivisionError: seventh frame"),
+        ("WrongShape", "failed", "shape"),
+        ("NaN", "diverged", "not finite"),
+    ],
 )
 def test_a_bad_method_keeps_its_rows_with_its_status(tiny, capsys, method, status, message):
     code, out, _ = typed(capsys, *evaluate(method, tiny))
@@ -235,7 +266,11 @@ def test_more_frames_than_a_scene_has(tiny, capsys, monkeypatch):
 @pytest.mark.parametrize("limit", [100, 15_000])  # too small for the first file of a run; for the last
 def test_a_disk_that_fills_leaves_no_result_that_looks_whole(tiny, home, capsys, limit):
     typed(capsys, *evaluate("Raises", tiny))  # compiles kernels, which this is not about
-    full = process(home, *evaluate("Good", tiny), before=f"import resource; resource.setrlimit(resource.RLIMIT_FSIZE, 2 * ({limit},))")
+    full = process(
+        home,
+        *evaluate("Good", tiny),
+        before=f"import resource; resource.setrlimit(resource.RLIMIT_FSIZE, 2 * ({limit},))",
+    )
     err = full.communicate(timeout=60)[1].splitlines()
     assert full.returncode == 1 and "can't be written" in err[-1] and "same command again" in err[-1]
     assert not any("Traceback" in line for line in err) and not list(home.rglob("*.partial"))

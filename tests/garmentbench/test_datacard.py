@@ -14,15 +14,31 @@ from garmentbench.report.datacards import card_files, card_rows, cards_in, data_
 from garmentbench.report.results import COLUMNS, read_results
 from garmentbench.tiny import tiny_sequence
 
-HEADINGS = ["What", "Counts", "Cost to make", "Uncertainty", "Penetration", "Self-intersection", "Strain", "Known flaws",
-            "How to evaluate on it"]
+HEADINGS = [
+    "What",
+    "Counts",
+    "Cost to make",
+    "Uncertainty",
+    "Penetration",
+    "Self-intersection",
+    "Strain",
+    "Known flaws",
+    "How to evaluate on it",
+]
 SIMULATED = {
     "scene": "tshirt-armspace-90",
     "split": "test",
     "preset": "smoke",
     "motion": {"name": "armspace-90", "speed": 1.0},
-    "simulation": {"ms_per_frame": 60.0, "substeps": 120, "mean_strain_percent": 0.6, "p99_strain_percent": 4.0, "status": "ok",
-                   "first_bad_frame": None, "settings": {"self_contact": True}},
+    "simulation": {
+        "ms_per_frame": 60.0,
+        "substeps": 120,
+        "mean_strain_percent": 0.6,
+        "p99_strain_percent": 4.0,
+        "status": "ok",
+        "first_bad_frame": None,
+        "settings": {"self_contact": True},
+    },
     "uncertainty": {"doubling_cm": 0.1, "perturbed_cm": 0.25, "cm": 0.25, "frames": 9},
     "interpenetration": {"vertex_percent": 0.2, "strict_percent": 0.05, "depth_p95_mm": 0.4},
     "self_intersection": {"percent": 0.0, "most_faces": 0},
@@ -47,7 +63,9 @@ def headings(text: str) -> list[str]:
 
 def lines_of(text: str) -> dict[str, str]:
     """What stands beside each label."""
-    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines() if line.startswith("| ")]
+    rows = [
+        [cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines() if line.startswith("| ")
+    ]
     return {row[0]: row[1] for row in rows}
 
 
@@ -71,7 +89,10 @@ def test_a_card_says_what_was_measured():
         ({"uncertainty__cm": 0.31}, "uncertainty is 0.31 cm, more than 0.3 cm"),
         ({"simulation__p99_strain_percent": 12.0}, "strained by more than 12 %"),
         ({"self_intersection__percent": 0.5}, "0.5 % of the faces pass through another"),
-        ({"simulation__status": "unstable", "simulation__first_bad_frame": 7}, "The simulation is unstable from frame 7 on."),
+        (
+            {"simulation__status": "unstable", "simulation__first_bad_frame": 7},
+            "The simulation is unstable from frame 7 on.",
+        ),
         ({"simulation__settings": {"self_contact": False}}, "self-contact is off"),
         ({"uncertainty": {}}, "Not measured: uncertainty."),
         ({"uncertainty": {}, "self_intersection": {}}, "Not measured: uncertainty and self-intersection."),
@@ -118,7 +139,17 @@ def test_a_card_from_results_is_the_card_from_the_file(tmp_path):
     table = data_table(back)
     assert [[cell.text for cell in row] for row in table.rows] == [
         ["b", "train", "20", str(len(train.template.garment.rest)), "60.0", "–", "0.05", "–", "2"],
-        ["tshirt-armspace-90", "test", "20", str(len(train.template.garment.rest)), "60.0", "0.25", "0.05", "0.00", "1"],
+        [
+            "tshirt-armspace-90",
+            "test",
+            "20",
+            str(len(train.template.garment.rest)),
+            "60.0",
+            "0.25",
+            "0.05",
+            "0.00",
+            "1",
+        ],
     ]
 
 

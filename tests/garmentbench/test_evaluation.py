@@ -13,7 +13,15 @@ from garmentbench.tiny import tiny_sequence
 
 BODY_METRICS = {"interpenetration", "interpenetration_strict", "depth_p95"}
 TIMES = {"ms_per_frame", "ms_per_frame_p95", "ms_prepare", "ms_predict", "ms_collide"}
-OTHERS = {"rollout_l2", "one_step_l2", "self_intersection", "strain_p95", "jitter", "liveliness", "stable_frames"} | TIMES
+OTHERS = {
+    "rollout_l2",
+    "one_step_l2",
+    "self_intersection",
+    "strain_p95",
+    "jitter",
+    "liveliness",
+    "stable_frames",
+} | TIMES
 
 
 def shifted(sequence, metres=0.01, kind="roll_out"):
@@ -137,4 +145,8 @@ def test_the_reference_own_penetration_is_measured_or_taken_from_the_sequence():
         assert row["reference_value"] == row["value"] > 0
     sequence.info["interpenetration"] = {"vertex_percent": 7.0, "strict_percent": 2.0, "depth_p95_mm": 1.5}
     rows = by_name(evaluate(shifted(sequence, 0.0), None, sequence))
-    assert [rows[m, 20]["reference_value"] for m in ("interpenetration", "interpenetration_strict", "depth_p95")] == [7, 2, 1.5]
+    assert [rows[m, 20]["reference_value"] for m in ("interpenetration", "interpenetration_strict", "depth_p95")] == [
+        7,
+        2,
+        1.5,
+    ]

@@ -33,7 +33,10 @@ def project(tmp_path, monkeypatch):
 
 def test_code_that_is_imported_counts_and_other_code_does_not(project):
     first = project(
-        train="from toy_project import loss\n", loss="def late():\n    from .deep import x\n", deep="x = 1\n", report="y = 1\n"
+        train="from toy_project import loss\n",
+        loss="def late():\n    from .deep import x\n",
+        deep="x = 1\n",
+        report="y = 1\n",
     )
     assert project(report="y = 2\n") == first
     assert project(deep="x = 2\n") != first

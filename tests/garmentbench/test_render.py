@@ -44,8 +44,26 @@ def test_the_body_s_left_is_on_the_right_of_a_front_view_and_near_in_a_side_view
 @pytest.mark.parametrize("view", ["front", "three-quarter", "side", "back"])
 def test_all_of_the_focus_box_is_in_the_picture(view):
     corners = np.array([[x, y, z] for x in BOX[:, 0] for y in BOX[:, 1] for z in BOX[:, 2]])
-    hull = RenderMesh(corners, np.array([[0, 1, 2], [1, 3, 2], [4, 6, 5], [5, 6, 7], [0, 4, 1], [1, 4, 5], [2, 3, 6], [3, 7, 6],
-                                         [0, 2, 4], [2, 6, 4], [1, 5, 3], [3, 5, 7]]), RED)
+    hull = RenderMesh(
+        corners,
+        np.array(
+            [
+                [0, 1, 2],
+                [1, 3, 2],
+                [4, 6, 5],
+                [5, 6, 7],
+                [0, 4, 1],
+                [1, 4, 5],
+                [2, 3, 6],
+                [3, 7, 6],
+                [0, 2, 4],
+                [2, 6, 4],
+                [1, 5, 3],
+                [3, 5, 7],
+            ]
+        ),
+        RED,
+    )
     image = render([hull], view, (60, 90), BOX)
     drawn = np.argwhere((image != 255).any(axis=2))
     assert drawn.min() >= 0 and (drawn.min(axis=0) > 0).any()

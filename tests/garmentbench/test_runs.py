@@ -59,7 +59,9 @@ def test_a_finished_run_is_reused(tmp_path):
     again = store.open("train", IDENTITY)
     assert again.finished and again.results == {"l2": 1.5}
     record = json.loads((again.folder / "run.json").read_text())
-    assert record["identity"] == IDENTITY and record["machine"]["cores"] >= 1 and record["peak_memory_mb"]["process"] > 1
+    assert (
+        record["identity"] == IDENTITY and record["machine"]["cores"] >= 1 and record["peak_memory_mb"]["process"] > 1
+    )
     assert {"code_version", "packages", "times"} <= record.keys()
 
 
@@ -126,7 +128,9 @@ def test_opening_a_run_twice_in_one_process_is_an_error_and_no_deadlock(tmp_path
         assert not run.finished
 
 
-@pytest.mark.parametrize("content", ["", "{", '{"id": "train-', "[]", '{"id": "another-run", "results": {}}', "\x00\x00"])
+@pytest.mark.parametrize(
+    "content", ["", "{", '{"id": "train-', "[]", '{"id": "another-run", "results": {}}', "\x00\x00"]
+)
 def test_a_damaged_record_is_never_taken_for_finished(tmp_path, content):
     store = RunStore(tmp_path)
     with store.open("train", IDENTITY) as run:

@@ -118,7 +118,9 @@ def test_many_scenes_are_simulated_at_once_and_kept(tmp_path, monkeypatch, capsy
     code, out, _ = typed(capsys, "simulate", "sheet-*", "--preset", "smoke", "--jobs", "2")
     assert code == 0 and out.splitlines() == ["smoke/sheet-stick-a", "smoke/sheet-stick-b"]
     code, _, err = typed(capsys, "simulate", "tshirt-run", "sheet-stick-a", "--preset", "smoke", "--jobs", "2")
-    assert code == 1 and "1 of 2 failed, the first: simulate tshirt-run: ValueError: no T-shirts" in err.splitlines()[-1]
+    assert (
+        code == 1 and "1 of 2 failed, the first: simulate tshirt-run: ValueError: no T-shirts" in err.splitlines()[-1]
+    )
 
 
 def _pretend(name: str, preset) -> str:
@@ -128,6 +130,8 @@ def _pretend(name: str, preset) -> str:
 
 
 def test_a_scene_is_a_file_of_five_lines(tmp_path):
-    (tmp_path / "mine.toml").write_text('garment = "tshirt"\nbody = "tall"\nmotion = "jump"\nsplit = "test"\nframes = 30\n')
+    (tmp_path / "mine.toml").write_text(
+        'garment = "tshirt"\nbody = "tall"\nmotion = "jump"\nsplit = "test"\nframes = 30\n'
+    )
     scene = load_scene(choose_scenes([str(tmp_path / "mine.toml")])[0])
     assert isinstance(scene, Scene) and (scene.name, scene.body, scene.motion.name) == ("mine", "tall", "jump")

@@ -38,7 +38,9 @@ def rigid(sequence, offset=0.0):
     def carried(rest):
         return (rest @ np.swapaxes(turns, 1, 2) + walk).astype(np.float32)
 
-    return replace(sequence, garment=carried(template.garment.rest + np.float32(offset)), body=carried(template.body.rest))
+    return replace(
+        sequence, garment=carried(template.garment.rest + np.float32(offset)), body=carried(template.body.rest)
+    )
 
 
 @pytest.mark.parametrize("name", ["skinning", "hold", "constant_velocity", "linear_subspace"])

@@ -35,8 +35,8 @@ def test_entry_points(monkeypatch):
         ("skining", "unknown method 'skining': did you mean 'skinning'?"),
         ("no_such_module:Method", "no module named 'no_such_module'"),
         ("methods.skinning:Skining", "has no attribute 'Skining'"),
-        ("methods.skinning:", "or \"module:Class\""),
-        (":Skinning", "or \"module:Class\""),
+        ("methods.skinning:", 'or "module:Class"'),
+        (":Skinning", 'or "module:Class"'),
     ],
 )
 def test_wrong_names_are_told(name, says):

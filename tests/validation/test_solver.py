@@ -65,8 +65,12 @@ def test_seams_are_held_exactly():
     a = np.arange(columns) * columns + 8
     b = np.arange(columns) * columns + len(right)
     both = replace(
-        left, rest=np.concatenate([left.rest, right]), faces=np.concatenate([left.faces, left.faces + len(right)]),
-        seams=np.column_stack([a, b]).astype(np.int32), pins=np.array([72], np.int32))
+        left,
+        rest=np.concatenate([left.rest, right]),
+        faces=np.concatenate([left.faces, left.faces + len(right)]),
+        seams=np.column_stack([a, b]).astype(np.int32),
+        pins=np.array([72], np.int32),
+    )
     out = run(both, 20, CLOTH, settings=Settings(mass_floor=0.0))
     assert np.array_equal(out.positions[:, a], out.positions[:, b])
     assert out.strain[:, 1].max() < 0.1
@@ -118,8 +122,14 @@ def test_substeps_of_one_spring_from_its_formula():
     material = replace(CLOTH, bending=0.0)
     fabric = assemble(sheet, material, settings)
     pair = replace(
-        fabric, mass=np.full(2, 1e-4), edges=np.array([[0, 1]]), stiffness=np.array([50.0]),
-        stencils=fabric.stencils[:0], curvature=fabric.curvature[:0], bend_stiffness=fabric.bend_stiffness[:0])
+        fabric,
+        mass=np.full(2, 1e-4),
+        edges=np.array([[0, 1]]),
+        stiffness=np.array([50.0]),
+        stencils=fabric.stencils[:0],
+        curvature=fabric.curvature[:0],
+        bend_stiffness=fabric.bend_stiffness[:0],
+    )
     w = np.sqrt(2 * 50.0 / 1e-4)
     z = material.stretch_damping * w / 2
     assert substeps(pair, material, settings, 1 / FPS) == np.ceil(w / (2 * (np.sqrt(1 + z**2) - z)) / FPS)

@@ -44,7 +44,12 @@ def test_strip_sags_more_the_smaller_the_budget_and_right_with_a_large_one():
 @pytest.mark.parametrize("budget", [1, 5, 20])
 def test_stays_whole_at_any_budget(budget):
     body = floor()
-    out = run(grid(8, 8, 0.2, 0.2), np.tile(body.rest, (40, 1, 1)), body=body,
-              start=grid(8, 8, 0.2, 0.2).rest + np.float32([0, 0, 0.1]), budget=budget)
+    out = run(
+        grid(8, 8, 0.2, 0.2),
+        np.tile(body.rest, (40, 1, 1)),
+        body=body,
+        start=grid(8, 8, 0.2, 0.2).rest + np.float32([0, 0, 0.1]),
+        budget=budget,
+    )
     assert np.isfinite(out.positions).all()
     assert out.positions[-1, :, 2] == pytest.approx(HARD.thickness, abs=2e-3)

@@ -10,9 +10,20 @@ from garmentbench.motion.gait import GAITS
 from garmentbench.motion.walk import walk
 
 MIXAMO = {
-    "pelvis": "Hips", "chest": "Spine2", "waist": "Spine1", "spine": "Spine", "neck": "Neck", "head": "Head",
-    "clavicle": "*Shoulder", "upper_arm": "*Arm", "fore_arm": "*ForeArm", "hand": "*Hand",
-    "thigh": "*UpLeg", "calf": "*Leg", "foot": "*Foot", "toes": "*ToeBase",
+    "pelvis": "Hips",
+    "chest": "Spine2",
+    "waist": "Spine1",
+    "spine": "Spine",
+    "neck": "Neck",
+    "head": "Head",
+    "clavicle": "*Shoulder",
+    "upper_arm": "*Arm",
+    "fore_arm": "*ForeArm",
+    "hand": "*Hand",
+    "thigh": "*UpLeg",
+    "calf": "*Leg",
+    "foot": "*Foot",
+    "toes": "*ToeBase",
 }
 
 
@@ -44,7 +55,11 @@ class Moving:
         written.append(j)
         offset = self.joints[j] - self.joints[self.parents[j]] if j else np.zeros(3)
         channels = [f"{axis}position" for axis in "XYZ" if j == 0] + [f"{axis}rotation" for axis in order]
-        lines = [f"{'JOINT' if j else 'ROOT'} {prefix}{self.names[j]}", "{", "OFFSET " + " ".join(f"{x:.9g}" for x in offset)]
+        lines = [
+            f"{'JOINT' if j else 'ROOT'} {prefix}{self.names[j]}",
+            "{",
+            "OFFSET " + " ".join(f"{x:.9g}" for x in offset),
+        ]
         lines.append(f"CHANNELS {len(channels)} " + " ".join(channels))
         text = "\n".join(lines) + "\n"
         children = [k for k in range(len(self.names)) if self.parents[k] == j and k != j]
@@ -69,7 +84,9 @@ def y_up(moving: Moving, unit: float = 100.0) -> Moving:
     """The same as most BVH files are: y up, facing +z, in centimetres."""
     turn = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
     rotations = turn @ moving.rotations @ turn.T
-    return Moving(moving.names, moving.parents, unit * moving.joints @ turn.T, rotations, unit * moving.root @ turn.T, moving.fps)
+    return Moving(
+        moving.names, moving.parents, unit * moving.joints @ turn.T, rotations, unit * moving.root @ turn.T, moving.fps
+    )
 
 
 def other_bone_frames(moving: Moving, seed: int = 0) -> Moving:
@@ -84,15 +101,23 @@ def other_bone_frames(moving: Moving, seed: int = 0) -> Moving:
 def t_pose(frames: int = 4, fps: float = 30.0) -> Moving:
     """A person of 1.7 m who stands in T-pose, y up, facing +z, in centimetres; all rotations are zero."""
     places = {
-        "Hips": (None, 0, 92, 0), "Spine": ("Hips", 0, 103, 0), "Spine1": ("Spine", 0, 115, 0), "Spine2": ("Spine1", 0, 128, 0),
-        "Neck": ("Spine2", 0, 145, 0), "Head": ("Neck", 0, 152, 2),
+        "Hips": (None, 0, 92, 0),
+        "Spine": ("Hips", 0, 103, 0),
+        "Spine1": ("Spine", 0, 115, 0),
+        "Spine2": ("Spine1", 0, 128, 0),
+        "Neck": ("Spine2", 0, 145, 0),
+        "Head": ("Neck", 0, 152, 2),
     }
     for side, x in (("Left", 1), ("Right", -1)):
         places |= {
-            f"{side}Shoulder": ("Spine2", 3 * x, 141, 0), f"{side}Arm": (f"{side}Shoulder", 17 * x, 141, 0),
-            f"{side}ForeArm": (f"{side}Arm", 44 * x, 141, 0), f"{side}Hand": (f"{side}ForeArm", 69 * x, 141, 0),
-            f"{side}UpLeg": ("Hips", 9 * x, 88, 0), f"{side}Leg": (f"{side}UpLeg", 9 * x, 48, 0),
-            f"{side}Foot": (f"{side}Leg", 9 * x, 8, 0), f"{side}ToeBase": (f"{side}Foot", 9 * x, 2, 13),
+            f"{side}Shoulder": ("Spine2", 3 * x, 141, 0),
+            f"{side}Arm": (f"{side}Shoulder", 17 * x, 141, 0),
+            f"{side}ForeArm": (f"{side}Arm", 44 * x, 141, 0),
+            f"{side}Hand": (f"{side}ForeArm", 69 * x, 141, 0),
+            f"{side}UpLeg": ("Hips", 9 * x, 88, 0),
+            f"{side}Leg": (f"{side}UpLeg", 9 * x, 48, 0),
+            f"{side}Foot": (f"{side}Leg", 9 * x, 8, 0),
+            f"{side}ToeBase": (f"{side}Foot", 9 * x, 2, 13),
         }
     names = list(places)
     parents = np.array([-1 if p is None else names.index(p) for p, *_ in places.values()])

@@ -23,8 +23,13 @@ def amass(frames: int = 8, width: int = 156, **arrays) -> dict[str, np.ndarray]:
     poses = np.zeros((frames, width))
     poses[:, :3] = STAND
     trans = np.tile([0.3, 0.1, 1.1], (frames, 1))
-    return {"poses": poses, "trans": trans, "betas": np.zeros(16), "gender": np.array("neutral"),
-            "mocap_framerate": np.array(60.0)} | arrays
+    return {
+        "poses": poses,
+        "trans": trans,
+        "betas": np.zeros(16),
+        "gender": np.array("neutral"),
+        "mocap_framerate": np.array(60.0),
+    } | arrays
 
 
 def clip_of(folder, arrays, **motion):
@@ -133,8 +138,11 @@ def _made_up_model() -> dict[str, np.ndarray]:
     rng = np.random.default_rng(0)
     parents = np.array([-1, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9, 12, 13, 14, 16, 17, 18, 19, 20, 21])
     return {
-        "v_template": rng.normal(size=(6890, 3)), "f": np.arange(30, dtype=np.uint32).reshape(10, 3),
-        "shapedirs": np.zeros((6890, 3, 10)), "posedirs": np.zeros((6890, 3, 207), np.float32),
-        "J_regressor": np.zeros((24, 6890)), "weights": np.eye(24)[rng.integers(0, 24, 6890)],
+        "v_template": rng.normal(size=(6890, 3)),
+        "f": np.arange(30, dtype=np.uint32).reshape(10, 3),
+        "shapedirs": np.zeros((6890, 3, 10)),
+        "posedirs": np.zeros((6890, 3, 207), np.float32),
+        "J_regressor": np.zeros((24, 6890)),
+        "weights": np.eye(24)[rng.integers(0, 24, 6890)],
         "kintree_table": np.stack([parents, np.arange(24)]),
     }

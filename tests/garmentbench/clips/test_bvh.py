@@ -62,9 +62,13 @@ def test_any_order_of_rotations(tmp_path, order):
     moving = bvh_example.t_pose(3)
     moving.rotations = Rotation.random(3 * len(moving.names), rng=1).as_matrix().reshape(moving.rotations.shape)
     rotations, _ = world(read_bvh(written(tmp_path, moving.text(order))))
-    joints = [i for i, name in enumerate(read_bvh(written(tmp_path, moving.text(order))).names) if not name.endswith(" end")]
+    joints = [
+        i for i, name in enumerate(read_bvh(written(tmp_path, moving.text(order))).names) if not name.endswith(" end")
+    ]
     names = [read_bvh(tmp_path / "arm.bvh").names[i] for i in joints]
-    np.testing.assert_allclose(rotations[:, joints], moving.rotations[:, [moving.names.index(n) for n in names]], atol=1e-7)
+    np.testing.assert_allclose(
+        rotations[:, joints], moving.rotations[:, [moving.names.index(n) for n in names]], atol=1e-7
+    )
 
 
 def test_what_is_written_of_our_walk_is_read(tmp_path):

@@ -76,12 +76,16 @@ def test_the_clip_s_own_file_does_the_same(folder):
 def test_speed_freeze_and_place(folder):
     plain = positions(folder, frames=40)
     fast = positions(folder, frames=20, speed=2.0)
-    assert np.ptp(fast[WARM_UP:].mean(axis=1)[:, 1]) == pytest.approx(np.ptp(plain[WARM_UP:].mean(axis=1)[:, 1]), rel=0.05)
+    assert np.ptp(fast[WARM_UP:].mean(axis=1)[:, 1]) == pytest.approx(
+        np.ptp(plain[WARM_UP:].mean(axis=1)[:, 1]), rel=0.05
+    )
     frozen = positions(folder, frames=40, freeze_after=10)
     np.testing.assert_array_equal(frozen[: WARM_UP + 11], plain[: WARM_UP + 11])
     assert (frozen[WARM_UP + 20 :] == frozen[WARM_UP + 20]).all()
     quarter = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-    np.testing.assert_allclose(positions(folder, turn=90.0, translate=(0.0, 5.0, 0.0)), plain[:80] @ quarter.T + [0, 5, 0], atol=1e-9)
+    np.testing.assert_allclose(
+        positions(folder, turn=90.0, translate=(0.0, 5.0, 0.0)), plain[:80] @ quarter.T + [0, 5, 0], atol=1e-9
+    )
 
 
 def test_too_short_a_clip_says_how_many_frames_it_has(folder):
@@ -108,8 +112,8 @@ def test_a_scene_s_file_is_relative_to_it_and_counts_by_its_content(folder, tmp_
 @pytest.mark.parametrize(
     ("old", "new", "complaint"),
     [
-        ('file = "walk.bvh"', "", "motion \"clip\" and its file go together"),
-        ('name = "clip"', 'name = "armspace-75"', "motion \"clip\" and its file go together"),
+        ('file = "walk.bvh"', "", 'motion "clip" and its file go together'),
+        ('name = "clip"', 'name = "armspace-75"', 'motion "clip" and its file go together'),
         ('file = "walk.bvh"', "file = 3", "file is 3; wanted the path of a recording"),
         ('file = "walk.bvh"', 'file = "walk.bvh"\nstart = "one"', "start is 'one'; wanted a number [s]"),
         ('file = "walk.bvh"', 'file = "walk.bvh"\nmap = "Hips"', "map is 'Hips'; wanted a table"),

@@ -30,9 +30,14 @@ def test_says_what_it_found_and_writes_clip_and_picture(walk, capfd):
     code, out, lines = typed(capfd, "walk.bvh", "--out", "walk.npz", "--picture", "walk.png")
     assert code == 0 and not lines
     for said in (
-        "recording: 40 frames at 30 a second, 1.30 s", "up: y; unit: centimetres", "m tall", "names: Mixamo",
-        "upper_arm  mixamorig:LeftArm | mixamorig:RightArm", "result: 40 frames at 30 a second on body base",
-        "feet: slide 0.0", "arms: fore-arm or hand more than 2 cm inside the rest of the body in 0 % of the frames\n",
+        "recording: 40 frames at 30 a second, 1.30 s",
+        "up: y; unit: centimetres",
+        "m tall",
+        "names: Mixamo",
+        "upper_arm  mixamorig:LeftArm | mixamorig:RightArm",
+        "result: 40 frames at 30 a second on body base",
+        "feet: slide 0.0",
+        "arms: fore-arm or hand more than 2 cm inside the rest of the body in 0 % of the frames\n",
     ):
         assert said in out
     with np.load("walk.npz") as arrays:

@@ -20,8 +20,10 @@ LEG = rest_leg(BASE, "L").reach
 def standing_walk(frames: int = 60) -> Clip:
     """Our own walk with the contacts that are seen in it."""
     walk = bvh_example.own_walk(BASE, frames)
-    ankles, toes = (joint_positions(BASE, walk.rotations, walk.root)[:, [BASE.joint_names.index(f"{n}.{s}") for s in "LR"]]
-                    for n in ("foot", "toes"))
+    ankles, toes = (
+        joint_positions(BASE, walk.rotations, walk.root)[:, [BASE.joint_names.index(f"{n}.{s}") for s in "LR"]]
+        for n in ("foot", "toes")
+    )
     return Clip(walk.rotations, walk.root, standing_feet(ankles, toes, 30.0), 30.0, LEG)
 
 
@@ -44,14 +46,18 @@ def test_standing_feet_stand_still_on_the_floor(fault):
     others = [j for j in range(len(BASE.joint_names)) if j not in legs]
     np.testing.assert_array_equal(planted.rotations[:, others], clip.rotations[:, others])
     np.testing.assert_array_equal(planted.root[:, :2], clip.root[:, :2])
-    np.testing.assert_allclose(planted.rotations @ planted.rotations.swapaxes(2, 3), np.eye(3) + 0 * planted.rotations, atol=1e-9)
+    np.testing.assert_allclose(
+        planted.rotations @ planted.rotations.swapaxes(2, 3), np.eye(3) + 0 * planted.rotations, atol=1e-9
+    )
 
 
 def test_planting_is_smooth():
     clip = standing_walk()
     skating = replace(clip, root=clip.root + np.arange(60)[:, None] * [0.004, 0.003, 0.0])
     for c, allowed in ((clip, 1.3), (skating, 1.6)):
-        before, after = (np.diff(pose_exact(BASE, x.rotations, x.root), n=2, axis=0) * 900 for x in (clip, plant(c, BASE)))
+        before, after = (
+            np.diff(pose_exact(BASE, x.rotations, x.root), n=2, axis=0) * 900 for x in (clip, plant(c, BASE))
+        )
         assert np.linalg.norm(after, axis=-1).max() < allowed * np.linalg.norm(before, axis=-1).max()
 
 
@@ -59,7 +65,10 @@ def test_planting_again_changes_little():
     once = plant(standing_walk(), BASE)
     twice = plant(once, BASE)
     np.testing.assert_allclose(twice.root, once.root, atol=1e-3)
-    assert np.abs(pose_exact(BASE, twice.rotations, twice.root) - pose_exact(BASE, once.rotations, once.root)).max() < 0.006
+    assert (
+        np.abs(pose_exact(BASE, twice.rotations, twice.root) - pose_exact(BASE, once.rotations, once.root)).max()
+        < 0.006
+    )
 
 
 @pytest.mark.parametrize("body", ["heavy", "slim"])
@@ -90,9 +99,17 @@ def test_contacts_of_a_foot_whose_path_is_known():
 
 
 def test_arms_inside_the_body_are_counted():
-    rest = Clip(np.tile(np.eye(3), (10, len(BASE.joint_names), 1, 1)), np.tile(BASE.joints[0], (10, 1)), np.ones((10, 2), bool), 30.0, LEG)
+    rest = Clip(
+        np.tile(np.eye(3), (10, len(BASE.joint_names), 1, 1)),
+        np.tile(BASE.joints[0], (10, 1)),
+        np.ones((10, 2), bool),
+        30.0,
+        LEG,
+    )
     assert arms_inside(rest, BASE) == 0
     inward = rest.rotations.copy()
-    bend = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])  # from straight out to straight down and inward
+    bend = np.array(
+        [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]
+    )  # from straight out to straight down and inward
     inward[:4, [BASE.joint_names.index(f"{n}.L") for n in ("upper_arm", "fore_arm", "hand")]] = bend
     assert arms_inside(replace(rest, rotations=inward), BASE) == pytest.approx(0.4)

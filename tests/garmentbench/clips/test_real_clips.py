@@ -25,7 +25,9 @@ CLIPS = {  # what they are known to be: convention, unit, frames at 30 a second,
     "jesse_dance": ("Mixamo", "centimetres", 302, 1.76),
     "salsa_10": ("CMU for Daz", "centimetres", 298, 1.68),
 }
-pytestmark = pytest.mark.skipif(not (MOCAP / "131_01.bvh").is_file(), reason="the recordings in ../shared/data/mocap are not there")
+pytestmark = pytest.mark.skipif(
+    not (MOCAP / "131_01.bvh").is_file(), reason="the recordings in ../shared/data/mocap are not there"
+)
 
 
 @cache
@@ -37,7 +39,12 @@ def loaded(name: str, arm_space: float = 0.0) -> Loaded:
 def test_what_is_found_and_made_of_it(name):
     found = loaded(name)
     convention, unit_name, frames, height = CLIPS[name]
-    assert (found.names.convention, found.upright.unit, found.upright.up, len(found.clip)) == (convention, unit_name, "y", frames)
+    assert (found.names.convention, found.upright.unit, found.upright.up, len(found.clip)) == (
+        convention,
+        unit_name,
+        "y",
+        frames,
+    )
     assert found.upright.height == pytest.approx(height, abs=0.02)
     assert foot_slide_cm(found.clip, BASE) < 0.05 < 1 < foot_slide_cm(found.unplanted, BASE)
     low, high = foot_heights_cm(found.clip, BASE)
@@ -48,7 +55,11 @@ def test_what_is_found_and_made_of_it(name):
 def bones(clip: Clip) -> dict[str, np.ndarray]:
     """Directions of limbs and trunk, shape (T, 3)."""
     place = joint_positions(BASE, clip.rotations, clip.root)
-    ends = {j: [k for k, p in enumerate(BASE.parents) if p == j][-1] for j in range(1, len(BASE.parents)) if j in BASE.parents}
+    ends = {
+        j: [k for k, p in enumerate(BASE.parents) if p == j][-1]
+        for j in range(1, len(BASE.parents))
+        if j in BASE.parents
+    }
     return {BASE.joint_names[j]: unit(place[:, k] - place[:, j]) for j, k in ends.items()}
 
 

@@ -17,7 +17,9 @@ from garmentbench.scene import Motion
 BASE = load_body("base", "small")
 
 
-def loaded(folder: Path, moving: bvh_example.Moving, prefix: str = "", fps: float = 30.0, body=BASE, **motion) -> Loaded:
+def loaded(
+    folder: Path, moving: bvh_example.Moving, prefix: str = "", fps: float = 30.0, body=BASE, **motion
+) -> Loaded:
     path = folder / "clip.bvh"
     path.write_text(moving.text(prefix=prefix))
     return load_clip(Motion("clip", file=str(path), **motion), body, fps)
@@ -31,7 +33,9 @@ def bone(clip, start: str, end: str) -> np.ndarray:
 
 def same_walk(walk: bvh_example.Moving, clip, names: list[str], degrees: float) -> None:
     indices = [BASE.joint_names.index(n) for n in names]
-    turned = Rotation.from_matrix((clip.rotations[:, indices].swapaxes(2, 3) @ walk.rotations[:, indices]).reshape(-1, 3, 3))
+    turned = Rotation.from_matrix(
+        (clip.rotations[:, indices].swapaxes(2, 3) @ walk.rotations[:, indices]).reshape(-1, 3, 3)
+    )
     worst = np.degrees(turned.magnitude()).reshape(-1, len(names)).max(axis=0)
     assert worst.max() < degrees, dict(zip(names, worst.round(1)))
 
@@ -49,12 +53,16 @@ def test_our_walk_comes_back(tmp_path, way):
     }[way]
     found = loaded(tmp_path, file, "mixamorig:" if "prefix" in way else "")
     assert len(found.clip) == 60 and found.names.convention == "Mixamo"
-    unit_name = "metres" if "metres" == way[-6:] and "centi" not in way else "inches" if "inches" in way else "centimetres"
+    unit_name = (
+        "metres" if "metres" == way[-6:] and "centi" not in way else "inches" if "inches" in way else "centimetres"
+    )
     assert (found.upright.unit, found.upright.up) == (unit_name, "z" if way.startswith("z") else "y")
     assert found.upright.height == pytest.approx(np.ptp(BASE.body.rest[:, 2]), rel=0.01)
     arms = [f"{n}.{s}" for n in ("upper_arm", "fore_arm", "foot") for s in "LR"]
     same_walk(walk, found.unplanted, arms, 0.2)
-    same_walk(walk, found.unplanted, ["pelvis", "chest"], 2.0 if "bone frames" in way else 0.1)  # how they hang is a mean then
+    same_walk(
+        walk, found.unplanted, ["pelvis", "chest"], 2.0 if "bone frames" in way else 0.1
+    )  # how they hang is a mean then
     same_walk(walk, found.unplanted, [f"{n}.{s}" for n in ("thigh", "calf") for s in "LR"], 2.0)
     np.testing.assert_allclose(found.clip.root - found.clip.root[0], walk.root - walk.root[0], atol=1e-3)
     ankles = [BASE.joint_names.index(f"foot.{side}") for side in "LR"]
@@ -72,7 +80,9 @@ def test_a_t_pose_holds_our_arms_out_and_stands(tmp_path):
         assert bone(clip, f"foot.{side}", f"toes.{side}")[0, 1] < -0.9  # toes ahead, towards -y
     for name in ("pelvis", "spine", "waist", "chest", "neck", "head", "clavicle.L", "foot.L", "foot.R"):
         rotation = Rotation.from_matrix(clip.rotations[0, BASE.joint_names.index(name)])
-        assert np.degrees(rotation.magnitude()) < 6, name  # our feet point 6 degrees outward at rest, these straight ahead
+        assert np.degrees(rotation.magnitude()) < 6, (
+            name
+        )  # our feet point 6 degrees outward at rest, these straight ahead
 
 
 @pytest.mark.parametrize(
@@ -96,7 +106,10 @@ def test_a_known_rotation_gives_a_known_direction(tmp_path, joint, axis, degrees
     tolerance = 0.15 if joint == "Spine2" else 1e-6  # our neck is 6 degrees off the vertical at rest
     np.testing.assert_allclose(bone(found, start, end)[0], direction, atol=tolerance)
     if joint == "LeftForeArm":  # the elbow's hinge goes along: no twist from bending
-        turned = found.rotations[0, BASE.joint_names.index("upper_arm.L")].T @ at_rest.rotations[0, BASE.joint_names.index("upper_arm.L")]
+        turned = (
+            found.rotations[0, BASE.joint_names.index("upper_arm.L")].T
+            @ at_rest.rotations[0, BASE.joint_names.index("upper_arm.L")]
+        )
         assert np.degrees(Rotation.from_matrix(turned).magnitude()) < 1
 
 
@@ -141,11 +154,15 @@ def test_arm_space_turns_hanging_arms_out_and_leaves_raised_ones(tmp_path):
     walk = bvh_example.own_walk(BASE, 30)
     plain, wide = (loaded(tmp_path, walk, arm_space=a).clip for a in (0.0, 10.0))
     for side, out in (("L", 1.0), ("R", -1.0)):
-        angles = [np.degrees(np.arctan2(out * d[:, 0], -d[:, 2])) for d in (bone(c, f"upper_arm.{side}", f"fore_arm.{side}") for c in (plain, wide))]
+        angles = [
+            np.degrees(np.arctan2(out * d[:, 0], -d[:, 2]))
+            for d in (bone(c, f"upper_arm.{side}", f"fore_arm.{side}") for c in (plain, wide))
+        ]
         np.testing.assert_allclose(angles[1] - angles[0], 10, atol=1.5)
     raised = bvh_example.t_pose()
     np.testing.assert_allclose(
-        loaded(tmp_path, raised, arm_space=10.0).clip.rotations, loaded(tmp_path, raised).clip.rotations, atol=1e-9)
+        loaded(tmp_path, raised, arm_space=10.0).clip.rotations, loaded(tmp_path, raised).clip.rotations, atol=1e-9
+    )
 
 
 def test_part_of_a_recording(tmp_path):
@@ -180,7 +197,9 @@ def test_very_short_recordings(tmp_path, frames):
         assert len(loaded(tmp_path, bvh_example.t_pose(frames)).clip) == frames
     for fps in (30.0, 9.0):
         if (frames - 1) * fps < 30:
-            with pytest.raises(UserError, match=f"{frames} frames at 30 a second; wanted two or more at {fps:g} a second"):
+            with pytest.raises(
+                UserError, match=f"{frames} frames at 30 a second; wanted two or more at {fps:g} a second"
+            ):
                 loaded(tmp_path, bvh_example.t_pose(frames), fps=fps)
 
 

@@ -59,7 +59,9 @@ def test_free_fall():
     """Implicit Euler: g t (t + dt) / 2."""
     fallen = drop(material=replace(Material(), air=0.0))
     t, dt = 7 / FPS, 1 / FPS / QUICK.substeps
-    assert (fallen[0] - fallen[7])[:, 2] == pytest.approx(np.full(len(SHEET.rest), GRAVITY * t * (t + dt) / 2), rel=1e-3)
+    assert (fallen[0] - fallen[7])[:, 2] == pytest.approx(
+        np.full(len(SHEET.rest), GRAVITY * t * (t + dt) / 2), rel=1e-3
+    )
 
 
 def test_the_air_slows_it_to_its_terminal_velocity():

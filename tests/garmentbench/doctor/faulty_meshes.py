@@ -50,9 +50,13 @@ def more(mesh: Mesh, vertices: list, faces: list, uv: list, seams: list = ()) ->
     count = len(mesh.vertices) + len(vertices)
     rows = lambda table: np.reshape(table, (-1, np.shape(table)[-1] if len(table) else 2))  # noqa: E731
     return replace(
-        mesh, vertices=np.concatenate([mesh.vertices, rows(vertices)]), uv=np.concatenate([mesh.uv, rows(uv)]),
+        mesh,
+        vertices=np.concatenate([mesh.vertices, rows(vertices)]),
+        uv=np.concatenate([mesh.uv, rows(uv)]),
         faces=np.concatenate([mesh.faces, rows(faces) % count if len(faces) else np.zeros((0, 3), int)]),
-        seams=np.concatenate([mesh.seams, np.reshape(seams, (-1, 2)).astype(int) % count]), numbers=np.arange(count))
+        seams=np.concatenate([mesh.seams, np.reshape(seams, (-1, 2)).astype(int) % count]),
+        numbers=np.arange(count),
+    )
 
 
 def parted(mesh: Mesh, row: int, sewn: bool) -> Mesh:
@@ -67,8 +71,13 @@ def parted(mesh: Mesh, row: int, sewn: bool) -> Mesh:
     seams = copy[mesh.seams]
     seams = np.concatenate([mesh.seams, seams[(seams != mesh.seams).any(axis=1)], pairs[: len(pairs) if sewn else 0]])
     return replace(
-        mesh, vertices=np.concatenate([mesh.vertices, mesh.vertices[cut]]), uv=np.concatenate([mesh.uv, mesh.uv[cut]]),
-        faces=faces, seams=seams, numbers=np.arange(len(copy) + len(cut)))
+        mesh,
+        vertices=np.concatenate([mesh.vertices, mesh.vertices[cut]]),
+        uv=np.concatenate([mesh.uv, mesh.uv[cut]]),
+        faces=faces,
+        seams=seams,
+        numbers=np.arange(len(copy) + len(cut)),
+    )
 
 
 def ball(radius: float = 0.145, height: float = 0.9) -> Body:

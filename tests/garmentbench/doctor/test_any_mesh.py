@@ -27,7 +27,16 @@ def any_mesh(random: np.random.Generator) -> Mesh:
     if uv is not None and random.random() < 0.3:
         uv[random.integers(count)] = random.choice([0, np.nan])
     faces, seams = (random.integers(0, count, (int(random.integers(1, 25)), k)) for k in (3, 2))
-    mesh = Mesh("any", vertices, faces, uv, np.arange(count), seams[:3], random.integers(0, count, 2), bool(random.random() < 0.5))
+    mesh = Mesh(
+        "any",
+        vertices,
+        faces,
+        uv,
+        np.arange(count),
+        seams[:3],
+        random.integers(0, count, 2),
+        bool(random.random() < 0.5),
+    )
     return Mesh("any", mesh.points[mesh.point], faces, uv, mesh.numbers, mesh.seams, mesh.pins, mesh.says_seams)
 
 

@@ -40,14 +40,23 @@ def typed(capsys, *arguments: str) -> tuple[int, list[str], list[str]]:
 def test_a_good_mesh(home, capsys, name):
     code, out, err = typed(capsys, name, "--body", "ball.obj")
     assert code == 0 and err == [] and out[1:] == [f"{name}: good"]
-    assert out[0].startswith(f"{name}: 1891 vertices, 3600 faces, 1 piece, 2 openings, ") and "substeps a frame" in out[0]
+    assert (
+        out[0].startswith(f"{name}: 1891 vertices, 3600 faces, 1 piece, 2 openings, ") and "substeps a frame" in out[0]
+    )
 
 
 def test_a_bad_mesh_has_all_its_faults_told_errors_first(home, capsys):
     code, out, err = typed(capsys, "bad.npz", "--body", "ball.obj")
     assert code == 1 and err == ["garmentbench: bad.npz: 4 errors, listed above; the file can't be used as it is"]
     kinds = [":".join(line.split(":")[:2]) for line in out[1:]]
-    assert kinds == ["error: vertices", "error: winding", "error: cracks", "error: uv", "warning: pieces", "warning: body"]
+    assert kinds == [
+        "error: vertices",
+        "error: winding",
+        "error: cracks",
+        "error: uv",
+        "warning: pieces",
+        "warning: body",
+    ]
 
 
 def test_warnings_alone_are_no_failure(home, capsys):
@@ -61,7 +70,11 @@ def test_fix_writes_a_good_mesh_and_the_fixed_is_fixed_to_the_same_bytes(home, c
     code, out, _ = typed(capsys, "bad.npz", "--body", "ball.obj", "--fix", f"a.{suffix}")
     assert code == 0 and out[-1] == f"a.{suffix}: good"
     done = [line for line in out if line.startswith("fix: ")]
-    for start, line in zip(("removed 1 vertex", "joined 61 pairs", "turned 72 faces", "pushed 1 point", "moved the UV map"), done, strict=True):
+    for start, line in zip(
+        ("removed 1 vertex", "joined 61 pairs", "turned 72 faces", "pushed 1 point", "moved the UV map"),
+        done,
+        strict=True,
+    ):
         assert line.startswith(f"fix: {start}")
     assert "what is left" in out[len(done)]
     code, out, _ = typed(capsys, f"a.{suffix}", "--body", "ball.obj", "--fix", f"b.{suffix}")

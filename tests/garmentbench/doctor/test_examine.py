@@ -184,25 +184,30 @@ def test_closed_surfaces_have_no_opening():
     assert told(mesh) == [
         "warning: openings: no opening at all: a closed surface, as cloth with a thickness has; keep one sheet of it, "
         "the simulator gives it its thickness",
-        "error: uv: the mesh has no UV map; unwrap the garment (--fix OUT --make-uv does, by xatlas)"]
+        "error: uv: the mesh has no UV map; unwrap the garment (--fix OUT --make-uv does, by xatlas)",
+    ]
 
 
 def test_penetration_says_how_many_how_deep_and_where():
     inside = moved(CLEAN, at(20, 0), [0.1, 0, 0.1])  # the ball's radius there is 0.144
     inside = moved(inside, at(20, COLUMNS), [0.1, 0, 0.1])
-    line, = told(inside, ball())
+    (line,) = told(inside, ball())
     assert line.startswith("error: body: 2 vertices (0.1 %) inside 'ball', ") and "near upper (2)" in line
     assert f"vertex {at(20, 0)} at (0.100, 0.000, 0.100)" in line
     depth = float(line.split(" mm deep")[0].rsplit(" ", 1)[1])
     assert depth == pytest.approx(44, abs=1)
-    assert told(more(CLEAN, [[0, 0, 0]], [], [[0, 0]]), ball())[1:] == []  # what no face uses is told of, but not as inside
+    assert (
+        told(more(CLEAN, [[0, 0, 0]], [], [[0, 0]]), ball())[1:] == []
+    )  # what no face uses is told of, but not as inside
     shallow = told(moved(CLEAN, at(20, 7), 0.94 * CLEAN.vertices[at(20, 7)]), ball())
-    assert len(shallow) == 1 and shallow[0].startswith("warning: body: 1 vertex (0.1 %)") and "push them out" in shallow[0]
+    assert (
+        len(shallow) == 1 and shallow[0].startswith("warning: body: 1 vertex (0.1 %)") and "push them out" in shallow[0]
+    )
 
 
 def test_an_open_body_is_told():
     body = ball()
-    line, = told(CLEAN, replace(body, faces=body.faces[1:]))
+    (line,) = told(CLEAN, replace(body, faces=body.faces[1:]))
     assert line.startswith("warning: body: 'ball' is not closed (3 border edges)")
 
 
@@ -210,18 +215,24 @@ def test_the_body_decides_which_side_is_out():
     half = CLEAN.faces[CLEAN.vertices[CLEAN.faces][..., 1].min(axis=1) > 0.05]  # an open sheet in front of the ball
     apron = replace(CLEAN, faces=half)
     assert not any("inside out" in line for line in told(apron, ball()))
-    assert any("inside out: its normals point towards 'ball'" in line for line in told(turned(apron, slice(None)), ball()))
+    assert any(
+        "inside out: its normals point towards 'ball'" in line for line in told(turned(apron, slice(None)), ball())
+    )
 
 
 def test_a_flat_sheet_has_no_inside():
-    flat = replace(CLEAN, vertices=np.column_stack([CLEAN.uv[:, 0], 0 * CLEAN.uv[:, 0], CLEAN.uv[:, 1]]), seams=CLEAN.seams[:0])
+    flat = replace(
+        CLEAN, vertices=np.column_stack([CLEAN.uv[:, 0], 0 * CLEAN.uv[:, 0], CLEAN.uv[:, 1]]), seams=CLEAN.seams[:0]
+    )
     assert told(flat) == [] and told(turned(flat, slice(None))) == []
 
 
 def test_baked_parts_are_called_by_their_bones():
     shirt = mesh_of(load_garment("tshirt", "smoke"))
     sleeve = np.argmax(shirt.vertices[:, 0])
-    line = [x.problem for x in examine(moved(shirt, sleeve, shirt.vertices[sleeve] - [0, 0, 0.05]), read_wearer("base"))][-1]
+    line = [
+        x.problem for x in examine(moved(shirt, sleeve, shirt.vertices[sleeve] - [0, 0, 0.05]), read_wearer("base"))
+    ][-1]
     assert line.where == "body" and "near upper_arm.L (1)" in line.what
 
 
@@ -232,8 +243,11 @@ def test_a_few_places_that_set_the_time_step_are_told():
     before, after = cost(CLEAN), cost(squeezed)
     assert after.substeps > 2 * before.substeps and after.vertex == INNER
     assert after.even == pytest.approx(before.substeps, rel=0.3)
-    line, = told(squeezed)
-    assert line.startswith(f"warning: substeps: a frame takes {after.substeps} substeps") and f"vertex {INNER} at (" in line
+    (line,) = told(squeezed)
+    assert (
+        line.startswith(f"warning: substeps: a frame takes {after.substeps} substeps")
+        and f"vertex {INNER} at (" in line
+    )
 
 
 def test_cost_is_the_simulator_s():
@@ -260,8 +274,12 @@ def test_the_order_of_vertices_and_faces_and_the_place_do_not_matter(seed):
     order, faces = random.permutation(len(mesh.vertices)), random.permutation(len(mesh.faces))
     place = np.argsort(order)
     other = replace(
-        mesh, vertices=mesh.vertices[order] + [0.3, -0.2, 0], uv=mesh.uv[order], faces=np.roll(place[mesh.faces[faces]], seed, axis=1),
-        seams=place[mesh.seams])
+        mesh,
+        vertices=mesh.vertices[order] + [0.3, -0.2, 0],
+        uv=mesh.uv[order],
+        faces=np.roll(place[mesh.faces[faces]], seed, axis=1),
+        seams=place[mesh.seams],
+    )
     for a, b in zip(examine(mesh), examine(other), strict=True):
         assert (a.problem.where, len(a.faces), len(a.edges)) == (b.problem.where, len(b.faces), len(b.edges))
 

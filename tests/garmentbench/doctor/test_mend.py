@@ -58,8 +58,14 @@ def test_unused_vertices_go_and_pins_and_seams_follow():
     mesh = replace(more(CLEAN, [[0, 0, 0]], [], [[0, 0]]), pins=np.array([5, 1891, 9]))
     order = np.roll(np.arange(1892), 1)  # the unused one comes first
     first = replace(
-        mesh, vertices=mesh.vertices[order], uv=mesh.uv[order], numbers=mesh.numbers[order], faces=mesh.faces + 1, seams=mesh.seams + 1,
-        pins=np.array([6, 0, 10]))
+        mesh,
+        vertices=mesh.vertices[order],
+        uv=mesh.uv[order],
+        numbers=mesh.numbers[order],
+        faces=mesh.faces + 1,
+        seams=mesh.seams + 1,
+        pins=np.array([6, 0, 10]),
+    )
     mended, lines = twice(first)
     assert lines == ["removed 1 vertex without a face"] and left(mended) == []
     assert same(mended, replace(CLEAN, pins=np.array([5, 9])))
@@ -127,8 +133,12 @@ def test_no_weld_makes_a_fin():
     third = np.concatenate([other.vertices[1891:], other.vertices[1891:] * [1.2, 1.2, 1]])
     count, k = len(other.vertices), np.arange(COLUMNS)
     strip = np.stack([k, k + 1, k + 61], 1) + count
-    mesh = replace(other, vertices=np.concatenate([other.vertices, third]), faces=np.concatenate([other.faces, strip]),
-                   numbers=np.arange(count + len(third)))
+    mesh = replace(
+        other,
+        vertices=np.concatenate([other.vertices, third]),
+        faces=np.concatenate([other.faces, strip]),
+        numbers=np.arange(count + len(third)),
+    )
     mended, _ = twice(mesh)
     assert (mended.sides.count <= 2).all()
 
@@ -145,8 +155,13 @@ def test_the_body_says_where_out_is():
     assert lines == [f"turned {len(apron.faces)} faces that faced inwards"] and same(mended, apron)
 
 
-@pytest.mark.parametrize(("factor", "says"), [
-    (100, "scaled from cm to m, by 0.01 (it measured 73.48 across)"), (1000, "scaled from mm to m, by 0.001 (it measured 734.8 across)")])
+@pytest.mark.parametrize(
+    ("factor", "says"),
+    [
+        (100, "scaled from cm to m, by 0.01 (it measured 73.48 across)"),
+        (1000, "scaled from mm to m, by 0.001 (it measured 734.8 across)"),
+    ],
+)
 def test_units_are_changed_where_they_can_be_told(factor, says):
     mended, lines = twice(CLEAN.scaled(factor))
     assert lines == [says]
@@ -160,7 +175,9 @@ def test_units_that_can_t_be_told_are_left_unless_given():
 
 
 def test_shallow_penetration_is_pushed_out_smoothly():
-    dented = replace(CLEAN, vertices=CLEAN.vertices * np.where(np.abs(CLEAN.vertices[:, 2:]) < 0.1, [0.93, 0.93, 1], 1.0))
+    dented = replace(
+        CLEAN, vertices=CLEAN.vertices * np.where(np.abs(CLEAN.vertices[:, 2:]) < 0.1, [0.93, 0.93, 1], 1.0)
+    )
     assert any("inside 'ball'" in line for line in left(dented, BALL))
     mended, (line,) = twice(dented, wearer=BALL)
     assert left(mended, BALL) == [] and line.startswith("pushed ") and line.endswith(" mm")
@@ -175,9 +192,13 @@ def test_deep_penetration_is_left():
     assert line.startswith("left 1") and "only less than 20 mm is pushed" in line and same(mended, deep)
 
 
-@pytest.mark.parametrize(("factor", "shift", "says"), [
-    (1.0, [3, -1], "moved the UV map by (-3, 1) into the unit square"),
-    (2.0, [0, 0], "moved the UV map by (0, 0) and scaled it by 1/2 into the unit square")])
+@pytest.mark.parametrize(
+    ("factor", "shift", "says"),
+    [
+        (1.0, [3, -1], "moved the UV map by (-3, 1) into the unit square"),
+        (2.0, [0, 0], "moved the UV map by (0, 0) and scaled it by 1/2 into the unit square"),
+    ],
+)
 def test_uv_go_into_the_unit_square(factor, shift, says):
     mended, lines = twice(replace(CLEAN, uv=CLEAN.uv * factor + shift))
     assert lines == [says] and left(mended) == []
@@ -187,8 +208,13 @@ def test_uv_go_into_the_unit_square(factor, shift, says):
 def test_what_is_not_safe_is_left():
     a, b = at(10, 10), at(10, 11)
     ends = CLEAN.vertices[[a, b]]
-    fin = more(CLEAN, [*ends, ends.mean(axis=0) * [1.2, 1.2, 1]], [[-3, -2, -1]], [[0.95, 0.95], [0.99, 0.95], [0.95, 0.99]],
-               [[a, -3], [b, -2]])
+    fin = more(
+        CLEAN,
+        [*ends, ends.mean(axis=0) * [1.2, 1.2, 1]],
+        [[-3, -2, -1]],
+        [[0.95, 0.95], [0.99, 0.95], [0.95, 0.99]],
+        [[a, -3], [b, -2]],
+    )
     holed = replace(CLEAN, faces=np.delete(CLEAN.faces, 900, axis=0))
     for mesh in (fin, holed):
         mended, lines = mend(mesh)

@@ -91,7 +91,9 @@ def test_npz_needs_uv_to_be_written(tmp_path):
 
 def ply(path, encoding: str) -> None:
     mesh = trimesh.Trimesh(CLEAN.vertices, CLEAN.faces, process=False)
-    path.write_bytes(trimesh.exchange.ply.export_ply(mesh, encoding=encoding, vertex_normal=False, include_attributes=False))
+    path.write_bytes(
+        trimesh.exchange.ply.export_ply(mesh, encoding=encoding, vertex_normal=False, include_attributes=False)
+    )
 
 
 def ply_with_uv(path, encoding: str) -> None:
@@ -120,7 +122,7 @@ def test_ply_by_another_library(tmp_path, encoding):
     mesh = read_mesh(tmp_path / "b.ply")
     np.testing.assert_array_equal(mesh.faces, CLEAN.faces)
     np.testing.assert_allclose(mesh.uv, CLEAN.uv, atol=1e-7)
-    line, = problems(mesh)
+    (line,) = problems(mesh)
     assert "30 edges of UV seams whose two sides are joined by position only" in line
 
 
@@ -128,12 +130,14 @@ def test_ply_with_uv_at_the_corners_and_quads(tmp_path):
     (tmp_path / "a.ply").write_text(
         "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 2\n"
         "property list uchar int vertex_indices\nproperty list uchar float texcoord\nend_header\n"
-        "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2 6 0 0 0.5 0 0.5 1\n3 0 2 3 6 0.6 0.1 0.5 1 0 1\n")
+        "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2 6 0 0 0.5 0 0.5 1\n3 0 2 3 6 0.6 0.1 0.5 1 0 1\n"
+    )
     mesh = read_mesh(tmp_path / "a.ply")
     assert mesh.numbers.tolist() == [0, 1, 2, 3, 0] and mesh.seams.tolist() == [[0, 4]]
     (tmp_path / "b.ply").write_text(
         "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
-        "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n")
+        "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n"
+    )
     assert read_mesh(tmp_path / "b.ply").faces.tolist() == [[0, 1, 2], [0, 2, 3]]
 
 
@@ -214,12 +218,21 @@ def read_mesh_of_few(folder):
 BAD_NPZ = {
     "no faces key": (dict(rest=np.zeros((3, 3))), "has no array 'faces' (found: rest)"),
     "objects": (dict(rest=np.array([{}] * 3), faces=np.array([[0, 1, 2]])), "damaged, or no .npz file"),
-    "out of range": (dict(rest=np.zeros((3, 3)), faces=np.array([[0, 1, 3]])), "faces name vertices from 0 to 3, there are 3"),
+    "out of range": (
+        dict(rest=np.zeros((3, 3)), faces=np.array([[0, 1, 3]])),
+        "faces name vertices from 0 to 3, there are 3",
+    ),
     "negative": (dict(rest=np.zeros((3, 3)), faces=np.array([[0, 1, -1]])), "faces name vertices from -1 to 1"),
-    "floats for faces": (dict(rest=np.zeros((3, 3)), faces=np.array([[0, 1, 2.0]])), "faces is float64 of shape (1, 3)"),
+    "floats for faces": (
+        dict(rest=np.zeros((3, 3)), faces=np.array([[0, 1, 2.0]])),
+        "faces is float64 of shape (1, 3)",
+    ),
     "two dimensions": (dict(rest=np.zeros((3, 2)), faces=np.array([[0, 1, 2]])), "rest is float64 of shape (3, 2)"),
     "no faces": (dict(rest=np.zeros((3, 3)), faces=np.zeros((0, 3), int)), "has no faces"),
-    "uv of others": (dict(rest=np.zeros((3, 3)), faces=np.array([[0, 1, 2]]), uv=np.zeros((4, 2))), "uv has 4 rows, rest has 3"),
+    "uv of others": (
+        dict(rest=np.zeros((3, 3)), faces=np.array([[0, 1, 2]]), uv=np.zeros((4, 2))),
+        "uv has 4 rows, rest has 3",
+    ),
 }
 
 

@@ -36,6 +36,11 @@ def imported(path: Path) -> Sequence:
 def positions_agree(found: Sequence, wanted: Sequence, within: float) -> bool:
     """Do garment and body lie where they should [m], with the same faces and seams?"""
     a, b = found.template, wanted.template
-    pairs = [(found.garment, wanted.garment), (found.body, wanted.body), (a.garment.rest, b.garment.rest), (a.body.rest, b.body.rest)]
+    pairs = [
+        (found.garment, wanted.garment),
+        (found.body, wanted.body),
+        (a.garment.rest, b.garment.rest),
+        (a.body.rest, b.body.rest),
+    ]
     same = [(a.garment.faces, b.garment.faces), (a.body.faces, b.body.faces), (a.garment.seams, b.garment.seams)]
     return all(np.abs(x - y).max() <= within for x, y in pairs) and all(np.array_equal(x, y) for x, y in same)

@@ -28,8 +28,13 @@ def test_npz_of_numpy(tmp_path):
 
 
 def test_other_names_and_uv_by_corner(tmp_path):
-    arrays = {"vertices": MESH.frames.astype(np.float64), "triangles": MESH.faces, "uv": MESH.corner_uv, "metres_per_unit": 0.01,
-              "pins": np.array([3, 7])}
+    arrays = {
+        "vertices": MESH.frames.astype(np.float64),
+        "triangles": MESH.faces,
+        "uv": MESH.corner_uv,
+        "metres_per_unit": 0.01,
+        "pins": np.array([3, 7]),
+    }
     np.savez(tmp_path / "a.npz", **arrays)
     read = read_npz(tmp_path / "a.npz")
     np.testing.assert_array_equal(read.corner_uv, MESH.corner_uv)
@@ -107,7 +112,9 @@ def header_of(shape: tuple, dtype: str = "<f4") -> bytes:
 def test_npz_claims_are_compared_with_the_file(tmp_path):
     archive(tmp_path / "a.npz", header_of((10**6, 10**6, 3)))
     refused(tmp_path / "a.npz", "positions.npy claims 12000000000000 bytes in a file of")
-    archive(tmp_path / "b.npz", header_of((3000, 10**4, 3)), bytes(12 * 3000 * 10**4))  # zeros, a thousandfold compressed
+    archive(
+        tmp_path / "b.npz", header_of((3000, 10**4, 3)), bytes(12 * 3000 * 10**4)
+    )  # zeros, a thousandfold compressed
     refused(tmp_path / "b.npz", "positions.npy claims 360000000 bytes in a file of")
 
 

@@ -20,10 +20,19 @@ def home(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     write_release(tmp_path / "walk_75", Z_UP, frames=8)
     torch.manual_seed(0)
-    static = {"itter": 1, "Relative_encoder": Relative(12, 4).state_dict(), "Pred_encoder": Encoder(4, 8, 4, 6).state_dict(),
-              "Pre_decoder": Decoder(8, 4, 6, 5).state_dict(), "skinRadius": torch.full((3,), 0.05)}
+    static = {
+        "itter": 1,
+        "Relative_encoder": Relative(12, 4).state_dict(),
+        "Pred_encoder": Encoder(4, 8, 4, 6).state_dict(),
+        "Pre_decoder": Decoder(8, 4, 6, 5).state_dict(),
+        "skinRadius": torch.full((3,), 0.05),
+    }
     torch.save(static, tmp_path / "static.ckp")
-    dynamic = {"itter": 1, "Dynamic_ForceEncoder": Change(12, 4).state_dict(), "Dynamic_Encoder": Encoder(8, 8, 4, 6).state_dict()}
+    dynamic = {
+        "itter": 1,
+        "Dynamic_ForceEncoder": Change(12, 4).state_dict(),
+        "Dynamic_Encoder": Encoder(8, 8, 4, 6).state_dict(),
+    }
     torch.save(dynamic, tmp_path / "dynamic.ckp")
     return tmp_path
 

@@ -12,7 +12,15 @@ from garmentbench.bodies import load_body
 from garmentbench.errors import UsageError, UserError
 from garmentbench.exchange.authors import read_release
 from garmentbench.exchange.authors_axes import placement
-from garmentbench.exchange.authors_files import read_arrays, read_chart, read_groups, read_mesh, read_samples, read_sampling, read_vectors
+from garmentbench.exchange.authors_files import (
+    read_arrays,
+    read_chart,
+    read_groups,
+    read_mesh,
+    read_samples,
+    read_sampling,
+    read_vectors,
+)
 from garmentbench.exchange.authors_release import open_release
 from garmentbench.garments import load_garment
 
@@ -32,7 +40,9 @@ def copy(written, tmp_path) -> Path:
 
 def test_a_sequence_holds_what_was_written_in_our_axes(written, tmp_path):
     sequence, told = read_release(open_release(written.folder), "walk")
-    np.testing.assert_array_equal(sequence.garment, np.einsum("tvx,yx->tvy", written.garment, Y_UP.turn).astype(np.float32))
+    np.testing.assert_array_equal(
+        sequence.garment, np.einsum("tvx,yx->tvy", written.garment, Y_UP.turn).astype(np.float32)
+    )
     np.testing.assert_array_equal(sequence.body, np.einsum("tvx,yx->tvy", written.body, Y_UP.turn).astype(np.float32))
     garment, body = load_garment("tshirt", "smoke"), load_body("base", "small").body
     np.testing.assert_allclose(sequence.template.garment.rest, garment.rest, atol=2**-12)
@@ -67,7 +77,9 @@ def test_parts_are_those_of_the_nearest_seed(written):
 
 @pytest.mark.parametrize(("unit", "scale"), [("cm", 100.0), ("mm", 1000.0)])
 def test_units_are_told_by_the_body(tmp_path, unit, scale):
-    sequence, told = read_release(open_release(write_release(tmp_path / "a", Z_UP, frames=2, scale=scale).folder), "walk")
+    sequence, told = read_release(
+        open_release(write_release(tmp_path / "a", Z_UP, frames=2, scale=scale).folder), "walk"
+    )
     assert told[0] == f"unit: {unit} (told by the body's height)"
     assert told[1].startswith("axes: ours are the files' x,y,z")
     np.testing.assert_allclose(sequence.template.garment.rest, load_garment("tshirt", "smoke").rest, atol=2**-12)
@@ -84,8 +96,12 @@ def test_axes_are_told_by_the_body(name, axes):
 
 
 def test_axes_and_units_that_are_none(written):
-    for unit, axes, complaint in (("auto", "x,y", "no rotation"), ("auto", "x,z,y", "no rotation"), ("auto", "a,b,c", "wanted three"),
-                                  ("inch", "auto", "units is 'inch'")):
+    for unit, axes, complaint in (
+        ("auto", "x,y", "no rotation"),
+        ("auto", "x,z,y", "no rotation"),
+        ("auto", "a,b,c", "wanted three"),
+        ("inch", "auto", "units is 'inch'"),
+    ):
         with pytest.raises(UsageError, match=complaint):
             placement(written.body_rest, unit, axes)
     with pytest.raises(UserError, match="can't tell which way"):
@@ -127,10 +143,19 @@ def test_frames_that_were_left_out_show_in_their_velocities(copy):
         (lambda f: shutil.rmtree(f / "body_n"), "wanted frames 000001.obj"),
         (lambda f: (f / "uv_tshirt" / "garment_uv.obj").write_text("v 0 0 0\n"), f"1 points for {VERTICES} vertices"),
         (lambda f: (f / "uv_body" / "body_geo.obj").write_text("v 0 0 zero\nf 1 1 1\n"), "v 0 0 zero', wanted numbers"),
-        (lambda f: (f / "uv_body" / "body_geo.obj").write_text("v 0 0 nan\nv 0 1 0\nv 1 0 0\nf 1 2 3\n"), "vertex 0 is not finite"),
+        (
+            lambda f: (f / "uv_body" / "body_geo.obj").write_text("v 0 0 nan\nv 0 1 0\nv 1 0 0\nf 1 2 3\n"),
+            "vertex 0 is not finite",
+        ),
         (lambda f: (f / "body_n" / "000002.obj").write_text("v 0 0 0\n"), "shape \\(1, 3\\), wanted"),
-        (lambda f: save_arrays(f / "TShirt_pnva" / "000002.npy", *3 * [np.zeros((3, 3))]), f"shape \\(3, 3\\), wanted \\({VERTICES}, 3\\)"),
-        (lambda f: save_arrays(f / "TShirt_pnva" / "000002.npy", np.zeros((VERTICES, 3))), "wanted 3 arrays of numbers"),
+        (
+            lambda f: save_arrays(f / "TShirt_pnva" / "000002.npy", *3 * [np.zeros((3, 3))]),
+            f"shape \\(3, 3\\), wanted \\({VERTICES}, 3\\)",
+        ),
+        (
+            lambda f: save_arrays(f / "TShirt_pnva" / "000002.npy", np.zeros((VERTICES, 3))),
+            "wanted 3 arrays of numbers",
+        ),
     ],
 )
 def test_what_is_wrong_is_said_in_one_line(copy, spoil, complaint):
@@ -174,7 +199,11 @@ def test_damaged_files_are_read_or_refused_in_one_line(written, tmp_path, name):
     places = [*random.integers(0, len(whole), 25), *random.integers(0, start, 50)]
     spoilt = [whole[:k] for k in (0, 1, 9, *random.integers(0, len(whole), 25))]
     spoilt += [whole[:k] + bytes([int(random.integers(256))]) + whole[k + 1 :] for k in places]
-    spoilt += [whole[:k] + b"x" + whole[k:] for k in places[:10]] + [b"\x00" * 100, b"# 9999999999\n1 2 3\n", b"NaN " * 60]
+    spoilt += [whole[:k] + b"x" + whole[k:] for k in places[:10]] + [
+        b"\x00" * 100,
+        b"# 9999999999\n1 2 3\n",
+        b"NaN " * 60,
+    ]
     refused = 0
     for data in spoilt:
         path.write_bytes(data)

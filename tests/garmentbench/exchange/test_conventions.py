@@ -73,7 +73,10 @@ def test_a_garment_alone_tells_its_unit_but_not_its_up(size, unit):
 def test_given_before_stated_before_inferred():
     stated = box([0.4, 0.4, 1.8], fps=24.0, unit=0.01, up="x")
     assert settle(stated, given=Given()).said == (
-        "units: cm (as the file says)", "up: x (as the file says)", "fps: 24 (as the file says)")
+        "units: cm (as the file says)",
+        "up: x (as the file says)",
+        "fps: 24 (as the file says)",
+    )
     found = settle(stated, given=Given("in", "-y", 60.0))
     assert (found.unit, found.up, found.fps) == ((0.0254, 0.0254), ("-y", "-y"), 60.0)
     assert found.said == ("units: in (given)", "up: -y (given)", "fps: 60 (given)")
@@ -92,7 +95,10 @@ def test_rates():
         settle(box([40, 40, 178], fps=30.0), box([50, 60, 30], fps=24.0), Given())
 
 
-@pytest.mark.parametrize(("given", "says"), [({"units": "km"}, "--units is 'km'"), ({"up": "w"}, "--up is 'w'"), ({"fps": 0.0}, "--fps is 0")])
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [({"units": "km"}, "--units is 'km'"), ({"up": "w"}, "--up is 'w'"), ({"fps": 0.0}, "--fps is 0")],
+)
 def test_what_is_given_wrongly(given, says):
     with pytest.raises(UsageError, match=says):
         Given(**given)

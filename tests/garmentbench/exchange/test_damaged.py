@@ -54,7 +54,11 @@ def read(tmp_path, whole):
 @pytest.mark.parametrize("ending", ["pc2", "mdd", "npz"])
 def test_binary_files_cut_off_anywhere_are_refused(read, whole, ending):
     content = whole[ending]
-    cuts = {*range(64), *np.linspace(64, len(content) - 1, 120).astype(int).tolist(), *range(len(content) - 24, len(content))}
+    cuts = {
+        *range(64),
+        *np.linspace(64, len(content) - 1, 120).astype(int).tolist(),
+        *range(len(content) - 24, len(content)),
+    }
     for cut in sorted(cuts):
         assert read(ending, content[:cut]) is not None, cut
 
@@ -111,7 +115,10 @@ def test_a_spoilt_hdf5_file_in_a_process_of_its_own(tmp_path, whole):
 
 
 CLAIMS = {
-    "pc2": b"POINTCACHE2\0" + np.array([1, 40_000], "<i4").tobytes() + np.zeros(2, "<f4").tobytes() + np.array([20_000], "<i4").tobytes(),
+    "pc2": b"POINTCACHE2\0"
+    + np.array([1, 40_000], "<i4").tobytes()
+    + np.zeros(2, "<f4").tobytes()
+    + np.array([20_000], "<i4").tobytes(),
     "mdd": np.array([20_000, 40_000], ">i4").tobytes(),
 }
 
@@ -134,6 +141,12 @@ except UserError as e:
     sys.exit(str(e))
 """
     root = Path(__file__).parents[3]
-    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, timeout=60,
-                          env={"PYTHONPATH": str(root), "OMP_NUM_THREADS": "1"})
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        env={"PYTHONPATH": str(root), "OMP_NUM_THREADS": "1"},
+    )
     assert done.returncode == 1 and "wants 9600" in done.stderr and done.stderr.count("\n") == 1, done.stderr

@@ -35,7 +35,9 @@ def test_round_trip(tmp_path, monkeypatch, capsys, form):
     np.testing.assert_array_equal(read.template.garment.uv, SEQUENCE.template.garment.uv)
     assert read.template.fps == 25.0
     if form in says_all:
-        assert {"units: m (as the file says)", "up: z (as the file says)", "fps: 25 (as the file says)"} < set(out.splitlines())
+        assert {"units: m (as the file says)", "up: z (as the file says)", "fps: 25 (as the file says)"} < set(
+            out.splitlines()
+        )
 
 
 def test_a_garment_alone_and_few_frames(tmp_path, capsys, monkeypatch):
@@ -53,7 +55,7 @@ def test_usd_core_sees_units_axes_rate_and_uv(tmp_path):
     pytest.importorskip("pxr", reason="usd-core is an extra")
     from pxr import Usd, UsdGeom
 
-    path, = export(SEQUENCE, "usd", tmp_path)
+    (path,) = export(SEQUENCE, "usd", tmp_path)
     stage = Usd.Stage.Open(str(path))
     assert UsdGeom.GetStageMetersPerUnit(stage) == 1.0 and UsdGeom.GetStageUpAxis(stage) == "Z"
     assert (stage.GetTimeCodesPerSecond(), stage.GetStartTimeCode(), stage.GetEndTimeCode()) == (25.0, 1.0, 6.0)

@@ -37,7 +37,9 @@ def film(folder):
 
 
 def test_a_film_s_caches_become_the_sequence_they_were(home, capsys):
-    code, out, complaints = typed(capsys, *film(home), "--fps", "25", "--split", "test", "--body-name", "me", "--out", "my.h5")
+    code, out, complaints = typed(
+        capsys, *film(home), "--fps", "25", "--split", "test", "--body-name", "me", "--out", "my.h5"
+    )
     assert (code, complaints) == (0, [])
     assert out.splitlines()[:3] == [
         "units: cm (inferred: body height 160)",
@@ -48,19 +50,33 @@ def test_a_film_s_caches_become_the_sequence_they_were(home, capsys):
     read = imported(home / "my.h5")
     assert positions_agree(read, SEQUENCE, within=1e-6)
     template, info = read.template, read.info
-    assert (template.fps, template.garment.name, template.body.name, template.body.labels) == (25.0, "cloth", "me", None)
+    assert (template.fps, template.garment.name, template.body.name, template.body.labels) == (
+        25.0,
+        "cloth",
+        "me",
+        None,
+    )
     assert (info["scene"], info["split"], read.uncertainty_cm) == ("my", "test", None)
     assert not template.needs.part_radii and template.needs.body
     files = info["imported"]["files"]
-    assert files["garment"]["first"] == "cloth.pc2" and files["garment"]["count"] == 2 and len(files["body"]["sha256"]) == 64
+    assert (
+        files["garment"]["first"] == "cloth.pc2"
+        and files["garment"]["count"] == 2
+        and len(files["body"]["sha256"]) == 64
+    )
 
 
 def test_what_the_user_asks_for_is_asked_for(home, capsys):
     code, _, complaints = typed(capsys, *film(home), "--out", "my.h5")
     assert code == 1 and complaints == [
-        "garmentbench: fps: the files don't say how many frames a second they have; give --fps, e.g. --fps 30"]
+        "garmentbench: fps: the files don't say how many frames a second they have; give --fps, e.g. --fps 30"
+    ]
     code, _, complaints = typed(capsys, "import", "cloth.pc2", "--out", "my.h5")
-    assert code == 1 and "holds positions only, wanted faces and UV too; give an OBJ file of the same mesh (--template)" in complaints[0]
+    assert (
+        code == 1
+        and "holds positions only, wanted faces and UV too; give an OBJ file of the same mesh (--template)"
+        in complaints[0]
+    )
     code, _, complaints = typed(capsys, "import", "cloth.fbx", "--out", "my.h5")
     assert code == 2 and "what is '.fbx'? Read here are" in complaints[0]
     assert not (home / "my.h5").exists()
@@ -72,18 +88,33 @@ def test_from_import_to_evaluation(home, capsys):
 
     for name, phase in (("train", 0.0), ("test", 1.0)):
         sequence = tiny_sequence(12, phase=phase)
-        for part, mesh in (("cloth", replace(CLOTH, frames=sequence.garment)), ("figure", replace(BODY, frames=sequence.body))):
+        for part, mesh in (
+            ("cloth", replace(CLOTH, frames=sequence.garment)),
+            ("figure", replace(BODY, frames=sequence.body)),
+        ):
             write_mdd(home / f"{part}.mdd", replace(mesh, fps=30.0))
             write_template(home / f"{part}.obj", mesh)
         code, out, _ = typed(
-            capsys, "import", "cloth.mdd", "--template", "cloth.obj", "--body", "figure.mdd", "--body-template", "figure.obj",
-            "--out", f"{name}.h5")
+            capsys,
+            "import",
+            "cloth.mdd",
+            "--template",
+            "cloth.obj",
+            "--body",
+            "figure.mdd",
+            "--body-template",
+            "figure.obj",
+            "--out",
+            f"{name}.h5",
+        )
         assert code == 0 and "fps: 30 (as the file says)" in out
     assert typed(capsys, "check", "train.h5")[0] == 0
     small = ("--preset", "smoke", "--frames", "12", "--device", "cpu")
     code, out, complaints = typed(capsys, "train", "skinning", "--scene", "train.h5", *small)
     assert code == 0, complaints
-    code, out, complaints = typed(capsys, "evaluate", "skinning", "--train-scene", "train.h5", "--scene", "test.h5", *small)
+    code, out, complaints = typed(
+        capsys, "evaluate", "skinning", "--train-scene", "train.h5", "--scene", "test.h5", *small
+    )
     assert code == 0 and "rollout_l2" in out, complaints
     run = out.splitlines()[-1].split(":")[0]
     code, _, complaints = typed(capsys, "export", run, "--to", "npz", "--out", "back")
@@ -100,7 +131,9 @@ def test_from_import_to_evaluation(home, capsys):
 
 def test_a_sequence_file_is_taken_as_it_is(home, capsys):
     sequence_file.save(SEQUENCE, home / "a.h5")
-    code, out, _ = typed(capsys, "import", "a.h5", "--frames", "4", "--split", "test", "--name", "gown", "--out", "b.h5")
+    code, out, _ = typed(
+        capsys, "import", "a.h5", "--frames", "4", "--split", "test", "--name", "gown", "--out", "b.h5"
+    )
     read = imported(home / "b.h5")
     assert code == 0 and "taken as it is: 4 frames" in out and len(read) == 4
     assert read.template.body.part_names == ("lower", "upper") and read.template.garment.name == "gown"
@@ -118,7 +151,9 @@ def test_a_frame_that_stands_still(home):
 
 def test_frames_that_do_not_fit(home):
     short = replace(BODY, frames=BODY.frames[:5])
-    with pytest.raises(UserError, match="the garment has 6 frames, the body 5; export the same frames of both, or give --frames 5"):
+    with pytest.raises(
+        UserError, match="the garment has 6 frames, the body 5; export the same frames of both, or give --frames 5"
+    ):
         import_meshes(CLOTH, short, PLAIN)
     assert len(import_meshes(CLOTH, short, replace(PLAIN, frames=5))[0]) == 5
     with pytest.raises(UsageError, match="--frames is 7; the garment has 6"):
@@ -145,7 +180,9 @@ def test_a_template_with_other_axes_is_turned_and_told(home):
 
 def test_a_recording_that_walks_and_turns_keeps_its_rest_shape(home):
     c, s = np.cos(2.0), np.sin(2.0)
-    turned = replace(CLOTH, frames=(CLOTH.frames @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]) + [3, 4, 0]).astype(np.float32))
+    turned = replace(
+        CLOTH, frames=(CLOTH.frames @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]) + [3, 4, 0]).astype(np.float32)
+    )
     sequence, said = import_meshes(turned, None, PLAIN)
     np.testing.assert_array_equal(sequence.template.garment.rest, CLOTH.rest)
     assert not any("turned" in line for line in said)
@@ -159,7 +196,9 @@ def test_a_body_inside_out_is_turned(home):
 
 
 def test_a_wrong_unit_in_a_file_is_noticed(home):
-    with pytest.raises(UserError, match="the body measures 0.016 m when its unit is cm, wanted 0.5 to 3 m; give --units"):
+    with pytest.raises(
+        UserError, match="the body measures 0.016 m when its unit is cm, wanted 0.5 to 3 m; give --units"
+    ):
         import_meshes(replace(CLOTH, unit=0.01), replace(BODY, unit=0.01), Wanted("x", Given(None, "z", 25.0)))
 
 
@@ -181,7 +220,11 @@ def test_making_uv_as_asked(home, capsys):
     pytest.importorskip("xatlas", reason="xatlas is an extra")
     write_npz(home / "cloth.npz", replace(CLOTH, corner_uv=None))
     code, _, complaints = typed(capsys, "import", "cloth.npz", "--out", "a.h5")
-    assert code == 1 and "has no UV map, which the methods need; unwrap the garment and export UV, or give --make-uv" in complaints[0]
+    assert (
+        code == 1
+        and "has no UV map, which the methods need; unwrap the garment and export UV, or give --make-uv"
+        in complaints[0]
+    )
     code, out, _ = typed(capsys, "import", "cloth.npz", "--make-uv", "--out", "a.h5")
     assert code == 0 and "UV map made by xatlas" in out
     assert typed(capsys, "check", "a.h5")[0] == 0

@@ -116,14 +116,19 @@ def test_a_frame_of_another_mesh_is_named(tmp_path, second, says):
 
 
 def test_the_same_faces_written_otherwise_are_the_same(tmp_path):
-    files = [text(tmp_path, QUAD + "f 1 2 3 4\n", "1.obj"), text(tmp_path, QUAD + "vn 0 0 1\nf 1//1 2//1 3//1 4//1\n", "2.obj")]
+    files = [
+        text(tmp_path, QUAD + "f 1 2 3 4\n", "1.obj"),
+        text(tmp_path, QUAD + "vn 0 0 1\nf 1//1 2//1 3//1 4//1\n", "2.obj"),
+    ]
     assert read_series(files).frames.shape == (2, 4, 3)
 
 
 def test_a_folder_of_two_series_asks_for_a_pattern(tmp_path):
     for name in ("body_1.obj", "body_2.obj", "shirt_1.obj", "shirt_2.obj"):
         text(tmp_path, QUAD + "f 1 2 3\n", name)
-    with pytest.raises(UserError, match=r"files of different names \(body_, shirt_ ...\), wanted one numbered series; name one by"):
+    with pytest.raises(
+        UserError, match=r"files of different names \(body_, shirt_ ...\), wanted one numbered series; name one by"
+    ):
         series(str(tmp_path))
     assert [p.name for p in series(str(tmp_path / "shirt_*.obj"))] == ["shirt_1.obj", "shirt_2.obj"]
     with pytest.raises(UserError, match="no OBJ file there"):

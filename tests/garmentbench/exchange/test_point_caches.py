@@ -66,7 +66,10 @@ def test_mdd_by_its_published_format(tmp_path, template):
         (pc2(order=">"), "its bytes are in big-endian order"),
         (pc2(samples=0), "105 points and 0 frames"),
         (pc2(points=-3), "-3 points"),
-        (pc2(samples=9_000_000), "its header (9000000 frames of 105 points) wants 11340000032: it is damaged or cut off"),
+        (
+            pc2(samples=9_000_000),
+            "its header (9000000 frames of 105 points) wants 11340000032: it is damaged or cut off",
+        ),
         (pc2()[:-1], "cut off"),
         (pc2() + b"\0", "it is damaged"),
         (pc2()[:20], "cut off in its header"),
@@ -106,5 +109,7 @@ def refused(path, content, says, read, template):
 
 def test_a_template_of_another_mesh(tmp_path, template):
     (tmp_path / "a.pc2").write_bytes(pc2(points=POINTS * 2, samples=FRAMES // 2))
-    with pytest.raises(UserError, match="has 210 points, its template .*cloth.obj has 105 vertices; export both from the same"):
+    with pytest.raises(
+        UserError, match="has 210 points, its template .*cloth.obj has 105 vertices; export both from the same"
+    ):
         read_pc2(tmp_path / "a.pc2", template)

@@ -58,7 +58,9 @@ def test_usd_of_usd_core(tmp_path, name, uv):
     cloth, body = read_both((str(usd(tmp_path / name, uv=uv)), None, "tunic"), ("", None, ""))
     np.testing.assert_allclose(cloth.frames, moved(CLOTH.frames), atol=2e-6)
     np.testing.assert_allclose(body.frames, moved(BODY.frames), atol=2e-6)
-    assert {tuple(np.roll(f, -f.argmin())) for f in cloth.faces} == {tuple(np.roll(f, -f.argmin())) for f in CLOTH.faces}
+    assert {tuple(np.roll(f, -f.argmin())) for f in cloth.faces} == {
+        tuple(np.roll(f, -f.argmin())) for f in CLOTH.faces
+    }
     by_corner = {(v, *uv) for v, uv in zip(cloth.faces.ravel(), cloth.corner_uv.reshape(-1, 2).tolist())}
     assert by_corner == {(v, *uv) for v, uv in zip(CLOTH.faces.ravel(), CLOTH.corner_uv.reshape(-1, 2).tolist())}
     assert (cloth.fps, cloth.unit, cloth.up, cloth.name, body.name) == (25.0, 0.01, "y", "tunic", "avatar")
@@ -106,7 +108,11 @@ def alembic(path):
     by_corner = AbcGeom.OV2fGeomParamSample(filled(imath.V2fArray, uv), AbcGeom.GeometryScope.kFacevaryingScope)
     for frame in SEQUENCE.garment:
         counts = filled(imath.IntArray, np.full(len(CLOTH.faces), 3))
-        schema.set(AbcGeom.OPolyMeshSchemaSample(filled(imath.V3fArray, frame), filled(imath.IntArray, faces), counts, by_corner))
+        schema.set(
+            AbcGeom.OPolyMeshSchemaSample(
+                filled(imath.V3fArray, frame), filled(imath.IntArray, faces), counts, by_corner
+            )
+        )
     return path
 
 

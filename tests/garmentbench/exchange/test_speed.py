@@ -21,8 +21,9 @@ def sheet():
     u, v = np.meshgrid(np.arange(SIDE), np.arange(SIDE), indexing="ij")
     rest = np.stack([u, v, 0 * u], axis=-1).reshape(-1, 3).astype(np.float32) / SIDE
     corner = (u * SIDE + v)[:-1, :-1].ravel()
-    faces = np.concatenate([
-        np.stack([corner, corner + SIDE, corner + 1], 1), np.stack([corner + 1, corner + SIDE, corner + SIDE + 1], 1)])
+    faces = np.concatenate(
+        [np.stack([corner, corner + SIDE, corner + 1], 1), np.stack([corner + 1, corner + SIDE, corner + SIDE + 1], 1)]
+    )
     frames = rest + np.random.default_rng(0).normal(0, 1e-3, (FRAMES, *rest.shape)).astype(np.float32)
     uv = 0.5 * rest[faces][..., :2]
     uv[(faces % SIDE).max(axis=1) >= SIDE // 2] += 0.4

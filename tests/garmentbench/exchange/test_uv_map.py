@@ -97,4 +97,7 @@ def test_xatlas_makes_one():
     found = vertex_uv(mesh(None, positions=np.concatenate([SQUARE, SQUARE[:1]])), make_uv=True)
     np.testing.assert_array_equal(found.origin[found.faces], FACES)
     assert found.uv.min() >= 0 and found.uv.max() <= 1 and np.ptp(found.uv, axis=0).min() > 0.1
-    assert found.notes == ("UV map made by xatlas: 0 vertices split along its cuts", "1 vertices without a face left out")
+    assert found.notes == (
+        "UV map made by xatlas: 0 vertices split along its cuts",
+        "1 vertices without a face left out",
+    )

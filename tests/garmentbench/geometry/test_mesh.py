@@ -3,7 +3,13 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from garmentbench.geometry.mesh import (
-    border_vertices, edge_lengths, face_normals, laplacian, tangent_frames, unique_edges, vertex_normals,
+    border_vertices,
+    edge_lengths,
+    face_normals,
+    laplacian,
+    tangent_frames,
+    unique_edges,
+    vertex_normals,
 )
 
 # A roof: two triangles that meet at a right angle along the y axis.

@@ -21,7 +21,14 @@ def scene():
     predicted = sequence.garment + rng.normal(scale=0.02, size=sequence.garment.shape)
     garment, body = sequence.template.garment, sequence.template.body
     reference = sequence.garment.astype(np.float64)
-    return [predicted, reference, sequence.body.astype(np.float64), garment.rest.astype(np.float64), garment.faces, body.faces]
+    return [
+        predicted,
+        reference,
+        sequence.body.astype(np.float64),
+        garment.rest.astype(np.float64),
+        garment.faces,
+        body.faces,
+    ]
 
 
 def all_metrics(predicted, reference, body, rest, faces, body_faces):

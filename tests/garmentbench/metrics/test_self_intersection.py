@@ -65,7 +65,10 @@ def plain_crossing(points, faces):
 
 def test_all_pairs_say_the_same_and_a_rigid_motion_changes_nothing():
     rng = np.random.default_rng(0)
-    points, faces = rng.uniform(size=(40, 3)).astype(np.float32), rng.permuted(np.tile(np.arange(40), (30, 1)), axis=1)[:, :3]
+    points, faces = (
+        rng.uniform(size=(40, 3)).astype(np.float32),
+        rng.permuted(np.tile(np.arange(40), (30, 1)), axis=1)[:, :3],
+    )
     points = points.astype(np.float64)
     points[faces[:, 1:]] = points[faces[:, 1:]] * 0.3 + points[faces[:, :1]] * 0.7
     found = crossing_faces(points[None].astype(np.float32), faces, NO_SEAMS)[0]

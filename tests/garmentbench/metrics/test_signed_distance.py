@@ -35,8 +35,12 @@ def test_where_faces_of_a_crease_are_equally_near():
     ring = np.where(np.arange(20) % 2, 0.2, 0.5)[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     body = np.concatenate([np.insert(ring, 2, z, axis=1) for z in (-0.3, 0.3)] + [[[0, 0, -0.3], [0, 0, 0.3]]])
     i, j = np.arange(20), np.roll(np.arange(20), -1)
-    faces = np.concatenate([np.stack(f, axis=1) for f in (
-        (i, j, i + 20), (j, j + 20, i + 20), (j, i, 0 * i + 40), (i + 20, j + 20, 0 * i + 41))])
+    faces = np.concatenate(
+        [
+            np.stack(f, axis=1)
+            for f in ((i, j, i + 20), (j, j + 20, i + 20), (j, i, 0 * i + 40), (i + 20, j + 20, 0 * i + 41))
+        ]
+    )
     rng = np.random.default_rng(0)
     turn = angle[1::2][rng.integers(0, 10, 400)]
     out = rng.uniform(0.0, 0.6, 400)

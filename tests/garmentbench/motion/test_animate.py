@@ -29,7 +29,9 @@ def test_warm_up_starts_at_rest_in_the_base_shape_and_ends_in_its_own(body):
     np.testing.assert_allclose(animation.positions[0], base, atol=1e-9)
     assert np.abs(animation.positions[1] - animation.positions[0]).max() < 1e-3  # at rest, too
     feet = animation.positions[animation.warm_up :, :, 2].min(axis=1)
-    assert (feet > -1e-5).all() and (feet < 0.004).all()  # the roll is a spline: up to 2 micrometres low between its knots
+    assert (feet > -1e-5).all() and (
+        feet < 0.004
+    ).all()  # the roll is a spline: up to 2 micrometres low between its knots
 
 
 @pytest.mark.parametrize("name", GAITS)

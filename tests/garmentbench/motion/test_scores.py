@@ -28,7 +28,9 @@ def scene(name: str, body: str = "base", frames: int = 60, **motion) -> Scene:
 
 
 @cache
-def performed(name: str, body: str = "base", frames: int = FRAMES) -> tuple[BakedBody, np.ndarray, np.ndarray, np.ndarray]:
+def performed(
+    name: str, body: str = "base", frames: int = FRAMES
+) -> tuple[BakedBody, np.ndarray, np.ndarray, np.ndarray]:
     """The body, its bones' rotations, its joints and its vertices in a scene's frames, from frame 0 on."""
     baked = load_body(body, "small")
     when = score_timing(Motion(name), frames, FPS)
@@ -90,7 +92,9 @@ def test_knees_bend_one_way(name, body):
 def test_arms_keep_out_of_the_trunk(name):
     """Wrist and elbow are outside the trunk's own skin, by an arm's half width."""
     baked, _, joints, vertices = performed(name)
-    trunk = baked.weights[:, [baked.joint_names.index(n) for n in ("pelvis", "spine", "waist", "chest")]].sum(axis=1) > 0.7
+    trunk = (
+        baked.weights[:, [baked.joint_names.index(n) for n in ("pelvis", "spine", "waist", "chest")]].sum(axis=1) > 0.7
+    )
     for frame in range(0, FRAMES, 6):
         skin = vertices[frame, trunk]
         for end in ("fore_arm.L", "fore_arm.R", "hand.L", "hand.R"):
@@ -102,8 +106,11 @@ def flights(score: Score, end: float) -> list[tuple[float, float]]:
     edges = sorted([(p.land, 1) for foot in (score.left, score.right) for p in foot]
                    + [(p.leave, -1) for foot in (score.left, score.right) for p in foot])  # fmt: skip
     standing = np.cumsum([change for _, change in edges])
-    return [(edges[k][0], edges[k + 1][0]) for k in np.flatnonzero(standing == 0)[:-1]
-            if edges[k + 1][0] < min(end, edges[k][0] + 1.0) and edges[k + 1][0] > edges[k][0] + 0.08]
+    return [
+        (edges[k][0], edges[k + 1][0])
+        for k in np.flatnonzero(standing == 0)[:-1]
+        if edges[k + 1][0] < min(end, edges[k][0] + 1.0) and edges[k + 1][0] > edges[k][0] + 0.08
+    ]
 
 
 @pytest.mark.parametrize("body", ["base", "tall", "short"])
@@ -127,7 +134,11 @@ def test_the_body_flies_freely(name, at_least, body):
 def test_the_legs_do_not_run_into_each_other(name):
     baked, _, _, vertices = performed(name)
     left, right = (
-        vertices[:, baked.weights[:, [baked.joint_names.index(f"{n}.{side}") for n in ("calf", "foot", "toes")]].sum(axis=1) > 0.9]
+        vertices[
+            :,
+            baked.weights[:, [baked.joint_names.index(f"{n}.{side}") for n in ("calf", "foot", "toes")]].sum(axis=1)
+            > 0.9,
+        ]
         for side in "LR"
     )
     assert min(cKDTree(left[k]).query(right[k])[0].min() for k in range(0, FRAMES, 4)) > 0.008
@@ -201,7 +212,9 @@ def test_speed_freeze_and_length(name):
     np.testing.assert_allclose(np.diff(fast), 2.0 / FPS, atol=1e-12)
     baked = load_body("base", "small")
     score = SCORES[name](baked, 10.0)
-    every, other = (perform(baked, score, np.arange(2.0, 4.0, dt), np.ones(n)) for dt, n in ((1 / FPS, 60), (2 / FPS, 30)))
+    every, other = (
+        perform(baked, score, np.arange(2.0, 4.0, dt), np.ones(n)) for dt, n in ((1 / FPS, 60), (2 / FPS, 30))
+    )
     np.testing.assert_allclose(every.rotations[::2], other.rotations, atol=1e-5)
 
 
@@ -212,5 +225,7 @@ def test_it_may_start_anywhere():
 
 
 def test_both_sizes_move_alike():
-    small, full = (animate(scene("jump", frames=4), replace(LAPTOP, body_size=s)).positions[-1] for s in ("small", "full"))
+    small, full = (
+        animate(scene("jump", frames=4), replace(LAPTOP, body_size=s)).positions[-1] for s in ("small", "full")
+    )
     np.testing.assert_allclose(small.max(axis=0), full.max(axis=0), atol=0.008)

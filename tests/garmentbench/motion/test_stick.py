@@ -94,7 +94,9 @@ def test_speed_freeze_and_place():
     np.testing.assert_allclose(frozen[:11], plain[:11], atol=1e-12)
     assert np.ptp(frozen[20:], axis=0).max() < 1e-12 < np.ptp(frozen[10:20], axis=0).max()
     placed = animate_stick(scene(Motion("stick-a", translate=(5.0, 0.0, 1.0), turn=90.0)), 41).positions[WARM_UP:]
-    np.testing.assert_allclose(placed, np.stack([5 - plain[..., 1], plain[..., 0], 1 + plain[..., 2]], axis=-1), atol=1e-9)
+    np.testing.assert_allclose(
+        placed, np.stack([5 - plain[..., 1], plain[..., 0], 1 + plain[..., 2]], axis=-1), atol=1e-9
+    )
 
 
 def test_unknown_motion_tells_the_nearest():

@@ -91,7 +91,14 @@ def test_nothing_is_drawn_of_a_diverged_roll_out_from_its_first_bad_frame_on(pat
     assert sorted(meshes(path, "reference")) == list(range(START, 70))
     cleared = columns(path, "/scene/prediction", "Clear:is_recursive")
     assert list(cleared) == [20]
-    text = RrdReader(path).stream().filter(content="/about").to_chunks()[0].to_record_batch()["TextDocument:text"].to_pylist()
+    text = (
+        RrdReader(path)
+        .stream()
+        .filter(content="/about")
+        .to_chunks()[0]
+        .to_record_batch()["TextDocument:text"]
+        .to_pylist()
+    )
     assert "**diverged** at frame 20: 12 vertices are not finite" in text[0][0]
 
 

@@ -64,13 +64,20 @@ def test_the_viewer_opens_a_recording_on_its_blueprint(viewer, tmp_path):
     viewer.open(str(tmp_path / "recording.rrd"))
     views = wait_for(lambda: viewer.get_state().views, "the viewer lays out its views")
     assert {v.name for v in views} == {
-        "reference (left), prediction (right)", "what is shown", "error [cm]", "interpenetration [%]", "time a frame [ms]"}
+        "reference (left), prediction (right)",
+        "what is shown",
+        "error [cm]",
+        "interpenetration [%]",
+        "time a frame [ms]",
+    }
     viewer.set_time("frame", sequence=20)
     scene = next(v for v in views if v.view_class == "3D")
 
     def both_drawn() -> bool:
         red, _, blue = np.moveaxis(picture(viewer, scene.view_id), -1, 0)
-        return (blue > red + 0.15).mean() > 0.01 and (red > blue + 0.15).mean() > 0.01  # blue reference, pale prediction
+        return (blue > red + 0.15).mean() > 0.01 and (
+            red > blue + 0.15
+        ).mean() > 0.01  # blue reference, pale prediction
 
     wait_for(both_drawn, "reference and prediction are drawn")
     assert [r for v in viewer.get_state().views for r in v.reports] == []

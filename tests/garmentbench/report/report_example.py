@@ -18,8 +18,14 @@ FRAMES = 1150
 WALK = {"scene": "tshirt-armspace-90", "split": "test", "garment": "tshirt", "motion": "armspace-90", "body": "base"}
 STICK = {"scene": "sheet-stick-b", "split": "test", "garment": "sheet", "motion": "stick-b", "body": "stick"}
 SIMULATOR_MS, UNCERTAINTY = 60.0, 0.2
-SIMULATED = {"scene": "tshirt-armspace-90", "preset": "laptop", "split": "test", "motion": "armspace-90",
-             "simulation": {"status": "ok", "ms_per_frame": SIMULATOR_MS}, "uncertainty": {"cm": UNCERTAINTY}}
+SIMULATED = {
+    "scene": "tshirt-armspace-90",
+    "preset": "laptop",
+    "split": "test",
+    "motion": "armspace-90",
+    "simulation": {"status": "ok", "ms_per_frame": SIMULATOR_MS},
+    "uncertainty": {"cm": UNCERTAINTY},
+}
 
 
 def write_example(root: Path, frames: int = 160) -> None:
@@ -37,7 +43,9 @@ def write_example(root: Path, frames: int = 160) -> None:
             rows += measured(experiment, WALK, "motion_guided", "full", seed, error, run)
     run = write_run(runs, walk, "evaluate-diverged", 1.5, bad=37)
     rows += measured("baselines", WALK, "constant_velocity", "full", 0, 1.5, run, bad=37, before=False)
-    rows.append(never_ran("ablations", WALK, "motion_guided", "no_collision", "train: raised ValueError: <bad> & (ugly)"))
+    rows.append(
+        never_ran("ablations", WALK, "motion_guided", "no_collision", "train: raised ValueError: <bad> & (ugly)")
+    )
     for train_frames, error in ((50, 1.9), (150, 0.9)):
         run = write_run(runs, walk, f"evaluate-train-{train_frames}", error)
         label = f"train_{train_frames}"
@@ -68,8 +76,21 @@ def _stability(runs: Path, sequence) -> list[dict]:
     for name in ("tshirt-armspace-90", "stress-frozen", "stress-stiff-100"):
         scene = WALK | {"scene": name}
         stiff = name == "stress-stiff-100"
-        rows.append(row("stability", scene, "reference", "full", 0, "strain_p99_max", FRAMES, 25.0 if stiff else 2.0, "%",
-                        status="diverged" if stiff else "ok", bad=11 if stiff else None))
+        rows.append(
+            row(
+                "stability",
+                scene,
+                "reference",
+                "full",
+                0,
+                "strain_p99_max",
+                FRAMES,
+                25.0 if stiff else 2.0,
+                "%",
+                status="diverged" if stiff else "ok",
+                bad=11 if stiff else None,
+            )
+        )
         run = write_run(runs, sequence, f"evaluate-{name}", 2.0, bad=60 if stiff else None)
         rows += measured("stability", scene, "skinning", "full", 0, 2.0, run, bad=60 if stiff else None, before=False)
         if name == "stress-frozen":
@@ -89,8 +110,12 @@ def write_run(runs: Path, sequence, name: str, error_cm: float, bad: int | None 
     garment[:3] = sequence.garment[:3]
     if bad is not None:
         garment[bad:] = np.nan
-    status, message = ("ok", "") if bad is None else ("diverged", "3 of 105 vertices are not finite, the first is vertex 7")
-    write_material(folder, sequence, RollOut(ROLL_OUT, 3, garment, None, np.ones((len(sequence), 3)), status, bad, message))
+    status, message = (
+        ("ok", "") if bad is None else ("diverged", "3 of 105 vertices are not finite, the first is vertex 7")
+    )
+    write_material(
+        folder, sequence, RollOut(ROLL_OUT, 3, garment, None, np.ones((len(sequence), 3)), status, bad, message)
+    )
     record = {"results": {"message": message}, "machine": {"cpu": "Example CPU", "cuda": None, "threads": 1}}
     (folder / "run.json").write_text(json.dumps(record))
     return name
@@ -106,8 +131,20 @@ def measured(experiment, scene, method, variant, seed, error, run, bad=None, hum
         return row(experiment, scene, method, variant, seed, metric, horizon, value, unit, **about, **more)
 
     rows = [
-        row(experiment, scene, method, variant, seed, "one_step_l2", 1, 0.8 * error, "cm", uncertainty=UNCERTAINTY,
-            run=run, train_frames=train_frames),
+        row(
+            experiment,
+            scene,
+            method,
+            variant,
+            seed,
+            "one_step_l2",
+            1,
+            0.8 * error,
+            "cm",
+            uncertainty=UNCERTAINTY,
+            run=run,
+            train_frames=train_frames,
+        ),
         make("rollout_l2", 0.9 * error, "cm", 50, needs_end=bad is not None and bad < 53, uncertainty=UNCERTAINTY),
         make("rollout_l2", error, "cm", uncertainty=UNCERTAINTY),
         make("liveliness", 0.9, "1", reference=1.0),
@@ -123,14 +160,54 @@ def measured(experiment, scene, method, variant, seed, error, run, bad=None, hum
     return rows
 
 
-def row(experiment, scene, method, variant, seed, metric, horizon, value, unit, reference=None, uncertainty=None,
-        status="ok", bad=None, run="", train_frames=300) -> dict:
+def row(
+    experiment,
+    scene,
+    method,
+    variant,
+    seed,
+    metric,
+    horizon,
+    value,
+    unit,
+    reference=None,
+    uncertainty=None,
+    status="ok",
+    bad=None,
+    run="",
+    train_frames=300,
+) -> dict:
     return {
-        "preset": "laptop", "experiment": experiment, **scene, "method": method, "variant": variant,
-        "train_frames": train_frames, "seed": seed, "metric": metric, "horizon": horizon, "value": value, "unit": unit,
-        "reference_value": reference, "uncertainty": uncertainty, "status": status, "first_bad_frame": bad, "run_id": run,
+        "preset": "laptop",
+        "experiment": experiment,
+        **scene,
+        "method": method,
+        "variant": variant,
+        "train_frames": train_frames,
+        "seed": seed,
+        "metric": metric,
+        "horizon": horizon,
+        "value": value,
+        "unit": unit,
+        "reference_value": reference,
+        "uncertainty": uncertainty,
+        "status": status,
+        "first_bad_frame": bad,
+        "run_id": run,
     }
 
 
 def never_ran(experiment, scene, method, variant, message) -> dict:
-    return row(experiment, scene, method, variant, 0, "rollout_l2", None, float("nan"), "cm", status="failed", run=f"({message})")
+    return row(
+        experiment,
+        scene,
+        method,
+        variant,
+        0,
+        "rollout_l2",
+        None,
+        float("nan"),
+        "cm",
+        status="failed",
+        run=f"({message})",
+    )

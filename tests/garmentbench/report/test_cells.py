@@ -15,8 +15,17 @@ def value(mean, interval=None, endings=(), seeds=1, uncertainty=math.nan) -> Val
 
 @pytest.mark.parametrize(
     "x, text",
-    [(0.0, "0.00"), (0.004, "< 0.01"), (1.234, "1.23"), (9.996, "10.0"), (45.67, "45.7"), (99.96, "100"), (1150, "1150"),
-     (-0.5, "−0.50"), (-0.001, "> −0.01")],
+    [
+        (0.0, "0.00"),
+        (0.004, "< 0.01"),
+        (1.234, "1.23"),
+        (9.996, "10.0"),
+        (45.67, "45.7"),
+        (99.96, "100"),
+        (1150, "1150"),
+        (-0.5, "−0.50"),
+        (-0.001, "> −0.01"),
+    ],
 )
 def test_numbers_have_about_three_digits(x, text):
     assert number(x) == text
@@ -31,8 +40,12 @@ def test_cells_say_how_seeds_ended():
     assert value_cell(None) == Cell("–")
     assert value_cell(value(0.65, 0.12, seeds=3), bold=True) == Cell("0.65 ± 0.12", bold=True)
     assert value_cell(value(math.nan, endings=["diverged at frame 7"])) == Cell("diverged", bad=True)
-    assert value_cell(value(math.nan, endings=["failed at frame 7", "diverged at frame 9"], seeds=2)) == Cell("failed; diverged", bad=True)
-    assert value_cell(value(0.65, endings=["diverged at frame 7"], seeds=3), bold=True) == Cell("0.65 (1 of 3 diverged)", bad=True)
+    assert value_cell(value(math.nan, endings=["failed at frame 7", "diverged at frame 9"], seeds=2)) == Cell(
+        "failed; diverged", bad=True
+    )
+    assert value_cell(value(0.65, endings=["diverged at frame 7"], seeds=3), bold=True) == Cell(
+        "0.65 (1 of 3 diverged)", bad=True
+    )
     assert value_cell(value(math.nan, endings=["ok"])) == Cell("–")
 
 
@@ -46,7 +59,11 @@ def test_the_best_is_best_by_more_than_the_uncertainty():
 
 
 def test_what_failed_does_not_compete():
-    values = [value(0.1, endings=["diverged at frame 9"], seeds=2, uncertainty=0.2), value(0.9, uncertainty=0.2), value(3.0, uncertainty=0.2)]
+    values = [
+        value(0.1, endings=["diverged at frame 9"], seeds=2, uncertainty=0.2),
+        value(0.9, uncertainty=0.2),
+        value(3.0, uncertainty=0.2),
+    ]
     assert best(values, "rollout_l2") is values[1]
 
 
@@ -66,7 +83,9 @@ def test_paper_numbers_of_the_main_experiment():
 
 
 def test_awkward_text_is_escaped_in_each_form():
-    table = Table("t", "Title_1", "50 % & more", ["a|b", "c [m/s²]"], [[Cell("x_y|z"), Cell("< 0.01 & 5 %", bold=True)]])
+    table = Table(
+        "t", "Title_1", "50 % & more", ["a|b", "c [m/s²]"], [[Cell("x_y|z"), Cell("< 0.01 & 5 %", bold=True)]]
+    )
     assert "| x_y\\|z | **< 0.01 & 5 %** |" in markdown(table)
     assert r"x\_y|z & \textbf{$<$ 0.01 \& 5 \%} \\" in latex(table) and r"50 \% \& more" in latex(table)
     assert '<td class="best">&lt; 0.01 &amp; 5 %</td>' in html_table(table)

@@ -12,7 +12,6 @@ from garmentbench.errors import UserError
 from garmentbench.report import make_report
 
 
-
 def contents(folder: Path) -> dict[str, bytes]:
     return {str(p.relative_to(folder)): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
 
@@ -48,7 +47,9 @@ def test_a_missing_run_is_named_and_the_report_stays_as_it_was(root, folder, tmp
     clone = tmp_path / "clone"
     shutil.rmtree(clone / "runs" / "evaluate-hold")
     (clone / "runs" / "evaluate-full-1" / "report.npz").unlink()
-    with pytest.raises(UserError, match=r"2 of the \d+ runs named in results.csv are missing, the first: evaluate-(hold|full-1)"):
+    with pytest.raises(
+        UserError, match=r"2 of the \d+ runs named in results.csv are missing, the first: evaluate-(hold|full-1)"
+    ):
         make_report("laptop", clone / "reports", clone / "runs")
     assert contents(clone / "reports" / "laptop") == contents(folder)
 
@@ -110,7 +111,9 @@ def test_the_stress_ladder_has_the_simulator_and_says_how_each_case_ended(folder
     text = (folder / "tables" / "stability.md").read_text()
     assert "| no stress | reference (simulator) | ok |" in text
     assert "| stiff-100 | reference (simulator) | diverged at frame 11 |" in text
-    skinning = next(line for line in text.splitlines() if "| stiff-100 | skinning | diverged at frame 60 | diverged |" in line)
+    skinning = next(
+        line for line in text.splitlines() if "| stiff-100 | skinning | diverged at frame 60 | diverged |" in line
+    )
     assert skinning.endswith("| 57 |")  # frames that were stable
 
 
@@ -126,7 +129,9 @@ def test_the_three_forms_of_a_table_say_the_same(folder):
         rows = [re.split(r" \| ", line[2:-2].replace("**", "")) for line in text.splitlines() if line.startswith("| ")]
         wanted = [[c.strip() for c in row] for i, row in enumerate(rows) if i != 1]
         page = path.with_suffix(".html").read_text()
-        cells = [re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", line) for line in re.findall(r"<tr>(.*?)</tr>", page, re.DOTALL)]
+        cells = [
+            re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", line) for line in re.findall(r"<tr>(.*?)</tr>", page, re.DOTALL)
+        ]
         assert [[html.unescape(re.sub("</?small>", "", c)) for c in row] for row in cells] == wanted
         body = re.search(r"\\toprule\n(.*)\\bottomrule", path.with_suffix(".tex").read_text(), re.DOTALL).group(1)
         tex = [line[:-3].split(" & ") for line in body.splitlines() if line.endswith(r"\\")]
@@ -136,7 +141,15 @@ def test_the_three_forms_of_a_table_say_the_same(folder):
 
 
 def _plain(tex: str) -> str:
-    for mark, text in ((r"\textbf{", ""), ("}", ""), (r"$\pm$", "±"), (r"$<$", "<"), ("--", "–"), ("$^2$", "²"), (r"$-$", "−")):
+    for mark, text in (
+        (r"\textbf{", ""),
+        ("}", ""),
+        (r"$\pm$", "±"),
+        (r"$<$", "<"),
+        ("--", "–"),
+        ("$^2$", "²"),
+        (r"$-$", "−"),
+    ):
         tex = tex.replace(mark, text)
     return tex.replace("\\", "").strip()
 
@@ -154,7 +167,21 @@ def test_the_page_needs_no_network_and_its_links_lead_somewhere(folder):
 
 
 def test_a_preset_of_which_nothing_ran_still_has_a_report(tmp_path):
-    rows = [row("baselines", WALK, "hold", "full", 0, "rollout_l2", None, float("nan"), "cm", status="failed", run="(no disk)")]
+    rows = [
+        row(
+            "baselines",
+            WALK,
+            "hold",
+            "full",
+            0,
+            "rollout_l2",
+            None,
+            float("nan"),
+            "cm",
+            status="failed",
+            run="(no disk)",
+        )
+    ]
     write_results(tmp_path / "smoke" / "results.csv", rows)
     page = make_report("smoke", tmp_path, tmp_path / "runs").read_text()
     assert "no disk" in page and "failed" in page and "<img" not in page

@@ -19,6 +19,7 @@ STEP = {CHOSEN: 0.7, "substeps_x2": 0.3, "substeps_x4": 0.1}  # C (1/k - 1/8), C
 
 def study_rows(scene: dict, scale: float = 1.0) -> list[dict]:
     """The rows of a study of first order."""
+
     def of(variant, metric, value, unit):
         run = f"convergence-{variant}"
         return row("convergence", scene, "reference", variant, 0, metric, 90, value, unit, train_frames=None, run=run)
@@ -65,7 +66,10 @@ def test_the_verdict_is_a_third_of_the_full_model_s_error(tmp_path):
 
 def test_an_order_hidden_by_rounding_is_not_told(tmp_path):
     """A micrometre at the start changes 0.06 cm, the step at 4 times the substeps 0.1 cm: less than twice that."""
-    rows = [r | {"value": 0.06} if (r["variant"], r["metric"]) == ("start_1um", "difference") else r for r in study_rows(WALK)]
+    rows = [
+        r | {"value": 0.06} if (r["variant"], r["metric"]) == ("start_1um", "difference") else r
+        for r in study_rows(WALK)
+    ]
     hidden = studies(read(tmp_path, rows))
     assert math.isnan(hidden[0].order) and "| tshirt-armspace-90 | none | 0.7 |" in markdown(trust_table(hidden))
     assert studies(read(tmp_path, study_rows(WALK)))[0].order == pytest.approx(1)
@@ -83,7 +87,10 @@ def test_another_scene_of_the_garment_will_do_and_then_the_one_with_the_smallest
 
 
 def test_the_start_counts_where_it_is_worse_than_the_step(tmp_path):
-    rows = [r | {"value": 2.5} if (r["variant"], r["metric"]) == ("start_1mm", "difference") else r for r in study_rows(WALK)]
+    rows = [
+        r | {"value": 2.5} if (r["variant"], r["metric"]) == ("start_1mm", "difference") else r
+        for r in study_rows(WALK)
+    ]
     assert studies(read(tmp_path, rows))[0].uncertainty == 2.5
 
 
@@ -96,7 +103,8 @@ def test_the_chosen_setting_is_marked_and_every_run_is_there(tmp_path):
 
 def test_a_run_that_became_unstable_says_so(tmp_path):
     rows = [
-        r | ({"status": "diverged", "first_bad_frame": 12} if r["variant"] == "start_1cm" else {}) for r in study_rows(WALK)
+        r | ({"status": "diverged", "first_bad_frame": 12} if r["variant"] == "start_1cm" else {})
+        for r in study_rows(WALK)
     ]
     assert "diverged at frame 12" in markdown(convergence_table(studies(read(tmp_path, rows))))
 
@@ -111,18 +119,24 @@ def test_the_report_has_both_studies(tmp_path):
     sequence = tiny_sequence(40)
     run = write_run(tmp_path / "runs", sequence, "crosscheck-1", 1.5)
     about = ("crosscheck", WALK, "newton_vbd", "full", 0)
-    rows = study_rows(WALK) + model_rows(0.6, run=write_run(tmp_path / "runs", sequence, "evaluate-1", 0.6)) + [
-        row(*about, "difference", 90, 1.5, "cm", uncertainty=0.014, train_frames=None, run=run),
-        row(*about, "difference_p95", 90, 3.25, "cm", uncertainty=0.014, train_frames=None, run=run),
-        row(*about, "interpenetration_strict", 90, 0.09, "%", reference=0.0, train_frames=None, run=run),
-        row(*about, "ms_per_frame", 90, 656.0, "ms", reference=21.3, train_frames=None, run=run),
-        row(*about, "match_hanging", 90, 0.4, "%", train_frames=None, run=run),
-        row(*about, "match_cantilever", 90, 1.25, "%", train_frames=None, run=run),
-    ]
+    rows = (
+        study_rows(WALK)
+        + model_rows(0.6, run=write_run(tmp_path / "runs", sequence, "evaluate-1", 0.6))
+        + [
+            row(*about, "difference", 90, 1.5, "cm", uncertainty=0.014, train_frames=None, run=run),
+            row(*about, "difference_p95", 90, 3.25, "cm", uncertainty=0.014, train_frames=None, run=run),
+            row(*about, "interpenetration_strict", 90, 0.09, "%", reference=0.0, train_frames=None, run=run),
+            row(*about, "ms_per_frame", 90, 656.0, "ms", reference=21.3, train_frames=None, run=run),
+            row(*about, "match_hanging", 90, 0.4, "%", train_frames=None, run=run),
+            row(*about, "match_cantilever", 90, 1.25, "%", train_frames=None, run=run),
+        ]
+    )
     write_results(tmp_path / "reports" / "laptop" / "results.csv", rows)
     page = make_report("laptop", tmp_path / "reports", tmp_path / "runs")
     text = (page.parent / "tables" / "crosscheck.md").read_text()
-    assert "| tshirt-armspace-90 | as it is | **1.5** | 3.2 | 0.014 | 0.09, 0.00 | 656, 21.3 | 0.40, 1.25 | ok |" in text
+    assert (
+        "| tshirt-armspace-90 | as it is | **1.5** | 3.2 | 0.014 | 0.09, 0.00 | 656, 21.3 | 0.40, 1.25 | ok |" in text
+    )
     assert (page.parent / "tables" / "trust.tex").is_file()
     for picture in ("plots/convergence.svg", "strips/crosscheck-tshirt-armspace-90.jpg"):
         assert (page.parent / picture).is_file() and picture in page.read_text()

@@ -76,7 +76,10 @@ def test_material_is_overridden_by_name():
         override(Material(), {"strech": 3000.0}, "material")
 
 
-@pytest.mark.parametrize("name, value", [("queries", 2.5), ("gravity", "much"), ("gravity", True), ("start_noise", -1.0), ("self_contact", 1)])
+@pytest.mark.parametrize(
+    "name, value",
+    [("queries", 2.5), ("gravity", "much"), ("gravity", True), ("start_noise", -1.0), ("self_contact", 1)],
+)
 def test_bad_values_are_refused(name, value):
     with pytest.raises(UsageError, match=f"'{name}' is {value!r}"):
         override(Settings(), {name: value}, "simulation setting")

@@ -45,7 +45,14 @@ class Networks:
         torch.manual_seed(3)
         relative, change = theirs.Relative(seeds, width), theirs.Change(seeds, width)
         encoder, dynamic = (theirs.Encoder(k * width, size, width, latent) for k in (1, 2))
-        return cls(relative, encoder, theirs.Decoder(size, width, latent, mlp), change, dynamic, torch.tensor([0.04, 0.05, 0.07]))
+        return cls(
+            relative,
+            encoder,
+            theirs.Decoder(size, width, latent, mlp),
+            change,
+            dynamic,
+            torch.tensor([0.04, 0.05, 0.07]),
+        )
 
     def double(self) -> "Networks":
         return Networks(*(x.double() for x in vars(self).values()))
@@ -58,7 +65,10 @@ class Networks:
 
     @property
     def dynamics(self) -> dict:
-        return {"itter": 50_000, **dict(zip(DYNAMIC, (self.change.state_dict(), self.dynamic.state_dict()), strict=True))}
+        return {
+            "itter": 50_000,
+            **dict(zip(DYNAMIC, (self.change.state_dict(), self.dynamic.state_dict()), strict=True)),
+        }
 
 
 class Frame:
@@ -86,7 +96,9 @@ class Frame:
 
     def posed(self, code, t) -> torch.Tensor:
         seeds = self.tensor(self.w.seeds[t])
-        return theirs.posed(self.displaced(code), self.seeds0, self.radius, self.tensor(self.w.rotations[t]), seeds - self.seeds0)
+        return theirs.posed(
+            self.displaced(code), self.seeds0, self.radius, self.tensor(self.w.rotations[t]), seeds - self.seeds0
+        )
 
     def code(self, past, velocity, acceleration, t) -> torch.Tensor:
         """Z_t after the garment `past` at t - 1."""
@@ -131,7 +143,9 @@ def without_collision(method: MotionGuided) -> Config:
 
 def template(method: MotionGuided, bodies: np.ndarray) -> Template:
     c = method.canonical
-    return Template(Garment("tshirt", c.rest, c.faces, c.uv, c.seams), Body("authors", bodies[0], np.zeros((0, 3), np.int32)), 30.0)
+    return Template(
+        Garment("tshirt", c.rest, c.faces, c.uv, c.seams), Body("authors", bodies[0], np.zeros((0, 3), np.int32)), 30.0
+    )
 
 
 def pair(
