@@ -6,8 +6,8 @@ paper's blocks what makes them generalise like linear regression (ours).
 
 from dataclasses import replace
 
-from evals.baselines import BASELINES
-from evals.experiment import FULL, Entry
+from garmentbench.evals.baselines import BASELINES
+from garmentbench.evals.experiment import FULL, Entry
 
 
 def _ablation(name: str, *entries: Entry, table: str = "ablations"):

@@ -3,7 +3,7 @@
 The T-shirt row of the paper's Table 3 is this experiment.
 """
 
-from evals.experiment import FULL, SIMPLE, Experiment
+from garmentbench.evals.experiment import FULL, SIMPLE, Experiment
 
 BASELINES = Experiment(
     name="baselines",

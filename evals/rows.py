@@ -5,11 +5,11 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from evals.jobs import Failure
-from garmentbench.atomic import write_text
-from garmentbench.presets import Preset
-from garmentbench.report.results import COLUMNS
-from garmentbench.scene import Scene
+from garmentbench.report.lines import COLUMNS
+from garmentbench.scenes.presets import Preset
+from garmentbench.scenes.scene import Scene
+from garmentbench.storage.atomic import write_text
+from garmentbench.storage.jobs import Failure
 
 
 def about(

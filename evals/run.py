@@ -5,22 +5,22 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from evals import EXPERIMENTS, STUDIES
-from evals.experiment import Entry, Experiment
-from evals.jobs import Failure, Job, run_jobs, worker_count
-from evals.needs import NEEDS_TABLE, left_out
-from evals.rows import about, failed_row, merged, write_results
-from evals.stability import UNSTRESSED, method_measures, simulator_measures
-from evals.study import finished_rows
-from garmentbench import work
-from garmentbench.datacard import read_card
+from garmentbench import pipeline as work
 from garmentbench.errors import UserError, unknown_name
+from garmentbench.evals import EXPERIMENTS, STUDIES
+from garmentbench.evals.data import card_rows
+from garmentbench.evals.experiment import Entry, Experiment
+from garmentbench.evals.left_out import NEEDS_TABLE, left_out
+from garmentbench.evals.rows import about, failed_row, merged, write_results
+from garmentbench.evals.stability import UNSTRESSED, method_measures, simulator_measures
+from garmentbench.evals.study import finished_rows
+from garmentbench.evaluation.rollout import RollOut
 from garmentbench.paths import REPORTS, RUNS
-from garmentbench.presets import Preset
-from garmentbench.report.datacards import card_rows
-from garmentbench.rollout import RollOut
-from garmentbench.runs import Run, RunStore
-from garmentbench.scene import Scene, load_scene
+from garmentbench.report.card import read_card
+from garmentbench.scenes.presets import Preset
+from garmentbench.scenes.scene import Scene, load_scene
+from garmentbench.storage.jobs import Failure, Job, run_jobs, worker_count
+from garmentbench.storage.runs import Run, RunStore
 
 
 @dataclass(frozen=True)

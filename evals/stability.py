@@ -7,14 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
-from evals.experiment import FULL, Entry, Experiment
 from garmentbench import sequence_file
+from garmentbench.evals.experiment import FULL, Entry, Experiment
+from garmentbench.evaluation.rollout import DIVERGED, OK, RollOut
 from garmentbench.metrics import METRICS
 from garmentbench.metrics.change import change
 from garmentbench.metrics.energy_left import energy_left
 from garmentbench.metrics.liveliness import vertex_areas
-from garmentbench.rollout import DIVERGED, OK, RollOut
-from garmentbench.scene import Scene
+from garmentbench.scenes.scene import Scene
 from garmentbench.sequence import Sequence
 
 UNSTRESSED = "tshirt-armspace-90"

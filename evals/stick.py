@@ -1,6 +1,6 @@
 """The paper's sheet of cloth wrapped round a moving stick (figures 9 and 10): no human body, another motion in test."""
 
-from evals.experiment import FULL, SIMPLE, Entry, Experiment
+from garmentbench.evals.experiment import FULL, SIMPLE, Entry, Experiment
 
 STICK = Experiment(
     name="stick",

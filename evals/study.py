@@ -4,9 +4,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from evals.jobs import Job
-from garmentbench.presets import Preset
-from garmentbench.runs import RunStore
+from garmentbench.scenes.presets import Preset
+from garmentbench.storage.jobs import Job
+from garmentbench.storage.runs import RunStore
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ The over-skirt is predicted from the dress beneath it, which takes the body's pl
 given is the simulated one.
 """
 
-from evals.experiment import FULL, Entry, Experiment
+from garmentbench.evals.experiment import FULL, Entry, Experiment
 
 GARMENTS = ("bodysuit", "pleated_skirt", "dress", "over_skirt")
 WARDROBE = tuple(

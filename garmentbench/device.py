@@ -3,7 +3,7 @@
 import os
 
 from garmentbench.errors import UserError, unknown_name
-from garmentbench.presets import PRESETS, Preset
+from garmentbench.scenes.presets import PRESETS, Preset
 
 DEVICES = ("auto", "cpu", "cuda")
 

@@ -1,8 +1,14 @@
-"""The contract of a method, and what it is given.
+"""The contract of a method, what it is given, and the clock that its steps are timed by.
 
 A method sees the body up to the present frame and its own past output, never a reference garment after `begin`.
 """
 
+import sys
+import time
+from collections import defaultdict
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -12,6 +18,8 @@ import numpy as np
 from garmentbench.sequence import Sequence, Template
 
 HISTORY = 3  # frames before the first predicted one: positions, from which velocity and acceleration follow
+PARTS = ("prepare", "predict", "collide")  # of a step's time
+_current: ContextVar["Clock | None"] = ContextVar("garmentbench_clock", default=None)
 
 
 @dataclass(frozen=True)
@@ -39,7 +47,7 @@ class History:
 
 
 class FitRun(Protocol):
-    """What `fit` may use of the run that it trains in (see `garmentbench.runs.Run`).
+    """What `fit` may use of the run that it trains in (see `garmentbench.storage.runs.Run`).
 
     folder: Where checkpoints go (atomically: write to a temporary name, rename).
     seed: Random seed of this run.
@@ -65,7 +73,7 @@ class Method(Protocol):
     """A trained method. Class attribute `name` as in the tables; `Config` is a frozen dataclass.
 
     A method may leave the garment before its collision stage in `state.before_collision` (shape (V, 3)), and may mark
-    parts of its time with `garmentbench.clock.span("prepare" | "predict" | "collide")`.
+    parts of its time with `garmentbench.method.span("prepare" | "predict" | "collide")`.
     """
 
     name: str
@@ -87,3 +95,46 @@ class Method(Protocol):
 
     def step(self, state: Any, body: BodyFrame) -> tuple[np.ndarray, Any]:
         """Garment vertices [m], shape (V, 3), at the frame of `body`, and the new state."""
+
+
+class Clock:
+    """Where a step's time goes: milliseconds of each part; wall time, batch 1, synchronised on a CUDA device. Time outside any span counts as `predict`."""
+
+    def __init__(self) -> None:
+        self.ms: dict[str, float] = defaultdict(float)
+
+    @contextmanager
+    def running(self) -> Iterator[None]:
+        """Time everything inside the block."""
+        token, start = _current.set(self), _now()
+        try:
+            yield
+        finally:
+            total = 1e3 * (_now() - start)
+            _current.reset(token)
+            self.ms["predict"] += total - sum(self.ms.values())
+
+
+@contextmanager
+def span(part: str) -> Iterator[None]:
+    """Count the block's time as `part` (one of `PARTS`) of the running clock; does nothing when none is running.
+
+    Spans do not nest.
+    """
+    clock = _current.get()
+    if clock is None:
+        yield
+        return
+    start = _now()
+    try:
+        yield
+    finally:
+        clock.ms[part] += 1e3 * (_now() - start)
+
+
+def _now() -> float:
+    """Seconds, after all work queued on a CUDA device is done (torch is only asked if the method has loaded it)."""
+    torch = sys.modules.get("torch")
+    if torch is not None and torch.cuda.is_initialized():
+        torch.cuda.synchronize()
+    return time.perf_counter()

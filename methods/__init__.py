@@ -6,11 +6,11 @@ from importlib.metadata import entry_points
 from garmentbench.errors import UsageError, unknown_name
 
 METHODS = {
-    "skinning": "methods.skinning:Skinning",
-    "hold": "methods.hold:Hold",
-    "constant_velocity": "methods.constant_velocity:ConstantVelocity",
-    "linear_subspace": "methods.linear_subspace:LinearSubspace",
-    "motion_guided": "methods.motion_guided:MotionGuided",
+    "skinning": "garmentbench.methods.baselines.skinning:Skinning",
+    "hold": "garmentbench.methods.baselines.hold:Hold",
+    "constant_velocity": "garmentbench.methods.baselines.constant_velocity:ConstantVelocity",
+    "linear_subspace": "garmentbench.methods.baselines.linear_subspace:LinearSubspace",
+    "motion_guided": "garmentbench.methods.motion_guided:MotionGuided",
 }
 ENTRY_POINTS = "garmentbench.methods"  # the group by which an installed package offers its methods
 

@@ -11,7 +11,7 @@ import gpytoolbox
 import numpy as np
 import trimesh
 
-from garmentbench.anny_bodies import Phenotype, largest_component, load_anny, rest_shape, skeleton
+from garmentbench.scenes.anny_bodies import Phenotype, largest_component, load_anny, rest_shape, skeleton
 
 OUT = Path(__file__).resolve().parents[1] / "bodies"
 SMALL_FACES = 7_000  # 3,502 vertices at genus 0

@@ -8,10 +8,9 @@ import numpy as np
 from fitting import Cloth, body_skin
 from garment_file import save
 from scipy.ndimage import gaussian_filter
-from surface import Skin
 from tube import AXIS, WAIST, grid_faces, hull_radius, without_arms
 
-from garmentbench.garments import load_garment
+from garmentbench.scenes.garments import load_garment
 
 VERTICES = {"smoke": 400, "laptop": 1_500, "paper": 18_000}  # wanted, after the split at the seam; the paper gives none
 TOP = WAIST + 0.02  # [m] height, above the dress's narrowest place

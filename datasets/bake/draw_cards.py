@@ -6,11 +6,11 @@ Needed only after a garment was baked anew: `python datasets/bake/draw_cards.py`
 import numpy as np
 from matplotlib.image import imsave
 
-from garmentbench.bodies import load_body
-from garmentbench.garments import load_garment
 from garmentbench.motion.stick import stick
 from garmentbench.paths import GARMENTS
-from garmentbench.render import CLOTH, RenderMesh, bounds, render
+from garmentbench.scenes.bodies import load_body
+from garmentbench.scenes.garments import load_garment
+from garmentbench.viewing.render import CLOTH, RenderMesh, bounds, render
 
 SIZE = (260, 400)  # [pixels] of each of the three pictures
 INNER = (0.87, 0.75, 0.42)  # colour of what is worn beneath

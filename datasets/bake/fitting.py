@@ -6,7 +6,7 @@ from lattice import Panel, flat_panel, mesh, size
 from scipy.spatial import cKDTree
 from surface import Skin, averaging, border_loop, normals, push_out
 
-from garmentbench.bodies import load_body
+from garmentbench.scenes.bodies import load_body
 
 CLEARANCE = 0.006  # [m] of vertices and middles of edges and faces off the skin
 THIN = 0.3  # of an edge: the least height of a triangle

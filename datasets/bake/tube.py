@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from garmentbench.bodies import load_body
+from garmentbench.scenes.bodies import load_body
 
 AXIS = np.array([0.0, -0.02])  # [m] x, y of a vertical axis that is inside every slice from the waist down
 WAIST = 1.165  # [m] height where the base body is narrowest

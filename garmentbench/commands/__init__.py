@@ -6,15 +6,15 @@ What a command needs is imported when it runs, so that `garmentbench --help` is 
 from typing import Protocol
 
 from garmentbench.commands.authors import ImportAuthors, ImportAuthorsModel
-from garmentbench.commands.card import Card
 from garmentbench.commands.bodies import Bodies
+from garmentbench.commands.card import Card
 from garmentbench.commands.check import Check
-from garmentbench.commands.data import Simulate
-from garmentbench.commands.exchange import Export, Import
-from garmentbench.commands.learn import CheckMethod, Evaluate, Methods, Train
-from garmentbench.commands.motion import ImportMotion
+from garmentbench.commands.meshes import Export, Import
+from garmentbench.commands.methods import CheckMethod, Evaluate, Methods, Train
+from garmentbench.commands.motions import ImportMotion
 from garmentbench.commands.results import Evals, Report, Runs, View
 from garmentbench.commands.scenes import Scenes
+from garmentbench.commands.sequences import Simulate
 
 
 class Command(Protocol):

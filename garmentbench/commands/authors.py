@@ -40,9 +40,9 @@ class ImportAuthors:
     def run(self) -> None:
         from garmentbench import sequence_file
         from garmentbench.device import one_thread, quiet_warp
-        from garmentbench.exchange.authors import read_release
-        from garmentbench.exchange.authors_release import open_release
-        from garmentbench.exchange.importing import measured
+        from garmentbench.importing.meshes.importing import measured
+        from garmentbench.methods.motion_guided.authors.read import read_release
+        from garmentbench.methods.motion_guided.authors.release import open_release
 
         one_thread()
         quiet_warp()
@@ -79,17 +79,17 @@ class ImportAuthorsModel:
 
     def run(self) -> None:
         from garmentbench.device import one_thread
-        from garmentbench.exchange.authors_release import open_release
-        from garmentbench.fingerprint import fingerprint
-        from garmentbench.runs import RunStore
-        from garmentbench.work import keep
-        from methods.motion_guided.authors_model import read_model
+        from garmentbench.methods.motion_guided.authors.model import read_model
+        from garmentbench.methods.motion_guided.authors.release import open_release
+        from garmentbench.pipeline import keep
+        from garmentbench.storage.fingerprint import fingerprint
+        from garmentbench.storage.runs import RunStore
 
         one_thread()
         release = open_release(self.folder, self.garment)
         method, told = read_model(release, self.static, self.dynamic, axes=self.axes)
         files = (release.folder / "uv_body", release.folder / f"uv_{release.garment}", self.static, self.dynamic)
-        data = fingerprint("methods.motion_guided.authors_model", *files)
+        data = fingerprint("garmentbench.methods.motion_guided.authors.model", *files)
         run = keep(method, "authors", release.folder.resolve().name, data, RunStore())
         print("\n".join(told))
         print(f"{run.id}: {run.folder}")

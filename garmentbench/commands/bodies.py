@@ -40,7 +40,7 @@ class Bodies:
         if self.action == "list":
             _list()
             return
-        from garmentbench.anny_bodies import Phenotype, bake_body
+        from garmentbench.scenes.anny_bodies import Phenotype, bake_body
 
         if not self.name:
             raise UsageError("bodies bake: what shall it be called? --name mine")
@@ -54,7 +54,7 @@ def _list() -> None:
     import numpy as np
     from trimesh import Trimesh
 
-    from garmentbench.bodies import body_names, load_body
+    from garmentbench.scenes.bodies import body_names, load_body
 
     rows = []
     for name in body_names():

@@ -21,10 +21,10 @@ class Card:
     out: Path | None = None
 
     def run(self) -> None:
-        from garmentbench.atomic import write_text
-        from garmentbench.datacard import read_card
-        from garmentbench.datacard_text import markdown
         from garmentbench.device import quiet_warp
+        from garmentbench.report.card import read_card
+        from garmentbench.report.card_text import markdown
+        from garmentbench.storage.atomic import write_text
 
         quiet_warp()
         text = markdown(read_card(self.file))

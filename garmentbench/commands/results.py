@@ -31,10 +31,9 @@ class Evals:
     device: str = "auto"
 
     def run(self) -> None:
-        from evals.run import run
-
         from garmentbench.device import choose_device
-        from garmentbench.presets import preset
+        from garmentbench.evals.run import run
+        from garmentbench.scenes.presets import preset
 
         size = preset(self.preset)
         if self.seeds < 1:
@@ -59,8 +58,8 @@ class Runs:
     compare: tuple[str, ...] = ()
 
     def run(self) -> None:
-        from garmentbench.compare import compare, list_rows
-        from garmentbench.runs import RunStore
+        from garmentbench.storage.compare import compare, list_rows
+        from garmentbench.storage.runs import RunStore
 
         wrong = [f for f in self.filters if "=" not in f]
         if wrong:
@@ -91,9 +90,9 @@ class Report:
     preset: str = "laptop"
 
     def run(self) -> None:
+        from garmentbench.evals.report import make_report
         from garmentbench.paths import REPORTS, RUNS
-        from garmentbench.presets import preset
-        from garmentbench.report import make_report
+        from garmentbench.scenes.presets import preset
 
         make_report(preset(self.preset).name, REPORTS, RUNS)
         print(REPORTS / self.preset / "index.html")
@@ -112,8 +111,8 @@ class View:
     name: Positional[str]
 
     def run(self) -> None:
-        from garmentbench.recording import open_viewer
-        from garmentbench.runs import RunStore
+        from garmentbench.storage.runs import RunStore
+        from garmentbench.viewing.viewer import open_viewer
 
         run = RunStore().get(self.name)
         if run.kind != "evaluate":

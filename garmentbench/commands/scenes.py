@@ -9,7 +9,7 @@ from garmentbench.commands.table import print_table
 from garmentbench.errors import UsageError
 
 if TYPE_CHECKING:
-    from garmentbench.scene import Scene
+    from garmentbench.scenes.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -28,8 +28,8 @@ class Scenes:
     words: Positional[tuple[str, ...]] = ()
 
     def run(self) -> None:
-        from garmentbench.scene import load_scene
-        from garmentbench.scene_choice import choose_scenes, is_choice
+        from garmentbench.scenes.choice import choose_scenes, is_choice
+        from garmentbench.scenes.scene import load_scene
 
         shown = self.words[1:] if self.words[:1] == ("show",) else self.words if len(self.words) == 1 else ()
         if self.words == ("show",):
@@ -49,9 +49,9 @@ class Scenes:
 def _show(scene: "Scene") -> None:
     from dataclasses import asdict
 
-    from garmentbench.making import scene_needs
-    from garmentbench.presets import preset
-    from garmentbench.scene import Motion
+    from garmentbench.reference import scene_needs
+    from garmentbench.scenes.presets import preset
+    from garmentbench.scenes.scene import Motion
 
     plain = Motion(scene.motion.name)
     changed = {key: value for key, value in vars(scene.motion).items() if value != getattr(plain, key)}

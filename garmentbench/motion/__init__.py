@@ -3,8 +3,8 @@
 from garmentbench.motion.animation import Animation
 from garmentbench.motion.human import animate_human, human_motions
 from garmentbench.motion.stick import STICK, animate_stick, stick_motions
-from garmentbench.presets import Preset
-from garmentbench.scene import Scene
+from garmentbench.scenes.presets import Preset
+from garmentbench.scenes.scene import Scene
 
 __all__ = ["Animation", "animate", "motion_names"]
 
@@ -23,7 +23,7 @@ def animate(scene: Scene, preset: Preset) -> Animation:
     if scene.body == STICK:
         return animate_stick(scene, frames)
     if scene.motion.file is not None:
-        from garmentbench.clips.animate import animate_clip  # which builds on this package
+        from garmentbench.motion.clip_animation import animate_clip  # which builds on this package
 
         return animate_clip(scene, preset.body_size, frames)
     return animate_human(scene, preset.body_size, frames)

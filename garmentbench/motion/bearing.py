@@ -3,9 +3,9 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from garmentbench.bodies import BakedBody
 from garmentbench.motion.legs import unit
 from garmentbench.motion.score import Bearing
+from garmentbench.scenes.bodies import BakedBody
 
 # How far each bone of the trunk has turned from the pelvis' attitude (0) to the chest's (1).
 _TRUNK = {"pelvis": 0.0, "spine": 0.2, "waist": 0.6, "chest": 1.0, "neck": 0.8, "clavicle.L": 1.0, "clavicle.R": 1.0}

@@ -6,9 +6,9 @@ import numpy as np
 from scipy.interpolate import BPoly, CubicSpline
 from scipy.ndimage import gaussian_filter1d
 
-from garmentbench.bodies import BakedBody
 from garmentbench.motion.easing import bump, cyclic_steps, smoothstep
 from garmentbench.motion.gait import Gait
+from garmentbench.scenes.bodies import BakedBody
 
 STANCE = 0.62  # part of the cycle for which a foot is on the ground
 FLAT = 0.25  # a phase at which it is flat

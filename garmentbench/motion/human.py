@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from garmentbench.bodies import BakedBody, load_body, pose_exact
 from garmentbench.errors import unknown_name
 from garmentbench.motion.animation import Animation
 from garmentbench.motion.gait import GAITS
@@ -13,7 +12,8 @@ from garmentbench.motion.placing import place
 from garmentbench.motion.scores import SCORES
 from garmentbench.motion.timing import WARM_UP, Timing, score_timing, timing
 from garmentbench.motion.walk import Walk, walk
-from garmentbench.scene import Scene
+from garmentbench.scenes.bodies import BakedBody, load_body, pose_exact
+from garmentbench.scenes.scene import Scene
 
 DRESSED = "base"  # the shape that garments are made for, in which every warm-up begins
 

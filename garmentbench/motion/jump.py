@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from garmentbench.bodies import BakedBody
 from garmentbench.motion.easing import eased
 from garmentbench.motion.legs import rest_leg
 from garmentbench.motion.score import Bearing, Hips, Score
 from garmentbench.motion.steps import ALWAYS, GRAVITY, Plant
 from garmentbench.motion.variation import drift
+from garmentbench.scenes.bodies import BakedBody
 
 _SEED = 7
 _BEGIN = 0.8  # [s]

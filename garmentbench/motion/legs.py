@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from garmentbench.bodies import BakedBody
+from garmentbench.scenes.bodies import BakedBody
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,6 @@ from scipy.interpolate import BPoly, CubicSpline
 from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 
-from garmentbench.bodies import BakedBody
 from garmentbench.motion.bearing import bear_arm, bear_trunk
 from garmentbench.motion.easing import smooth_maximum, smoothstep
 from garmentbench.motion.foot import pitch_up
@@ -16,6 +15,7 @@ from garmentbench.motion.score import NEUTRAL, Bearing, Score, filled
 from garmentbench.motion.steps import FootPath, foot_path
 from garmentbench.motion.tread import tread
 from garmentbench.motion.walk import Walk
+from garmentbench.scenes.bodies import BakedBody
 
 RATE = 120.0  # times a second at which the paths are worked out
 _BEFORE = 1.0  # seconds of standing before time 0, for what is smoothed

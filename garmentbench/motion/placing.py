@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from garmentbench.scene import Motion
-
+from garmentbench.scenes.scene import Motion
 
 FREEZE_TIME = 0.3  # seconds in which a body comes to a standstill
 

@@ -3,15 +3,15 @@
 from collections.abc import Callable
 from functools import partial
 
-from garmentbench.bodies import BakedBody
-from garmentbench.motion.dance import dance_score
-from garmentbench.motion.dance_bounce import BOUNCE
-from garmentbench.motion.dance_latin import LATIN
-from garmentbench.motion.dance_spin import SPIN
+from garmentbench.motion.dances.bounce import BOUNCE
+from garmentbench.motion.dances.dance import dance_score
+from garmentbench.motion.dances.latin import LATIN
+from garmentbench.motion.dances.spin import SPIN
+from garmentbench.motion.jog import run_score
 from garmentbench.motion.jump import jump_score
-from garmentbench.motion.run import run_score
 from garmentbench.motion.score import Score
 from garmentbench.motion.still import still_score
+from garmentbench.scenes.bodies import BakedBody
 
 # What writes a motion's score: for a body, to last at least so many seconds.
 SCORES: dict[str, Callable[[BakedBody, float], Score]] = {

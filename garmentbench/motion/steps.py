@@ -1,6 +1,6 @@
 """Steps: where a foot stands and when, and how it gets from one place to the next."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import BPoly

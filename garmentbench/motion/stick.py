@@ -11,7 +11,7 @@ from garmentbench.errors import unknown_name
 from garmentbench.motion.animation import Animation
 from garmentbench.motion.easing import smoothstep
 from garmentbench.motion.placing import place, played_frames
-from garmentbench.scene import Scene
+from garmentbench.scenes.scene import Scene
 from garmentbench.sequence import OBJECT, Body
 
 STICK = "stick"  # a scene's `body`

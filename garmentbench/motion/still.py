@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from garmentbench.bodies import BakedBody
 from garmentbench.motion.score import Bearing, Hips, Score
 from garmentbench.motion.steps import ALWAYS, Plant
 from garmentbench.motion.variation import drift
+from garmentbench.scenes.bodies import BakedBody
 
 _BREATH = 4.0  # seconds
 

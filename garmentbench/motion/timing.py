@@ -9,7 +9,7 @@ from garmentbench.motion.foot import HEEL_OFF
 from garmentbench.motion.gait import Gait
 from garmentbench.motion.placing import played_frames
 from garmentbench.motion.variation import hurry
-from garmentbench.scene import Motion
+from garmentbench.scenes.scene import Motion
 
 WARM_UP = 60  # frames before frame 0
 START = HEEL_OFF - 0.54  # just before the right heel, as the first, comes off the ground

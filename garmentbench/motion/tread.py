@@ -6,8 +6,8 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import gaussian_filter1d
 
-from garmentbench.bodies import BakedBody
-from garmentbench.motion.foot import pitch_up, sole
+from garmentbench.motion.foot import sole
+from garmentbench.scenes.bodies import BakedBody
 
 _PITCHES = np.radians(np.arange(-85.0, 45.25, 0.25))
 _BLUR = 8.0  # the contact jumps from vertex to vertex: smoothed over so many steps of pitch (2 degrees)

@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from garmentbench.bodies import BakedBody
 from garmentbench.motion.easing import bump, rolling_start
 from garmentbench.motion.foot import FLAT, STANCE, FootRoll, pitch_up, roll_foot
 from garmentbench.motion.gait import Gait
-from garmentbench.motion.legs import Leg, rest_leg, solve_leg, unit
+from garmentbench.motion.legs import rest_leg, solve_leg, unit
 from garmentbench.motion.variation import Varied, vary
+from garmentbench.scenes.bodies import BakedBody
 
 MID_STANCE = 0.225  # phase at which the pelvis passes over the flat foot
 _STARTING = 0.36  # the pelvis comes up to speed within this many cycles before and after it

@@ -2,9 +2,9 @@
 
 import math
 
+from garmentbench.evals.paper_numbers import paper_number
 from garmentbench.metrics import METRICS
-from garmentbench.report.paper_numbers import paper_number
-from garmentbench.report.results import Line, Value
+from garmentbench.report.lines import Line, Value
 from garmentbench.report.table import Cell
 
 ABSENT = "–"

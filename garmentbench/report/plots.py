@@ -7,12 +7,12 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
-from garmentbench.report.results import Line
+from garmentbench.report.lines import Line
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from garmentbench.report.material import Material
+    from garmentbench.evaluation.excerpt import Material
 
 COLOURS = {
     "skinning": "#8c8c8c",

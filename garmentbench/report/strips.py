@@ -1,7 +1,6 @@
 """Strips of frames: the reference in the first row, below it what each method made of it, coloured by its error."""
 
 import io
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -10,11 +9,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image
 
-from garmentbench.render import CLOTH, ERROR_COLOURS, ERROR_SCALE_CM, RenderMesh, error_colours, render
-from garmentbench.report.results import Line
+from garmentbench.report.lines import Line
+from garmentbench.viewing.render import CLOTH, ERROR_COLOURS, ERROR_SCALE_CM, RenderMesh, error_colours, render
 
 if TYPE_CHECKING:
-    from garmentbench.report.material import Material
+    from garmentbench.evaluation.excerpt import Material
 
 WIDTH, HEIGHT = 170, 210  # of one picture [pixels]
 LEFT, TOP, BOTTOM = 150, 26, 62  # room for words [pixels]

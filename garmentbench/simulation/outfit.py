@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from garmentbench.garments import load_garment
-from garmentbench.layers import as_body, sewn
 from garmentbench.motion import Animation, animate
 from garmentbench.motion.placing import place
-from garmentbench.presets import Preset
-from garmentbench.scene import Scene, inner_scene
+from garmentbench.scenes.garments import load_garment
+from garmentbench.scenes.inner_garment import as_body, sewn
+from garmentbench.scenes.presets import Preset
+from garmentbench.scenes.scene import Scene, inner_scene
 from garmentbench.sequence import Body, Garment
 from garmentbench.simulation.drive import Drive, drive
 from garmentbench.simulation.material import Material, Settings, override

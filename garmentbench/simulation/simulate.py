@@ -6,9 +6,9 @@ from dataclasses import asdict, replace
 import numpy as np
 
 from garmentbench.errors import UserError
-from garmentbench.presets import Preset
 from garmentbench.progress import track
-from garmentbench.scene import Scene
+from garmentbench.scenes.presets import Preset
+from garmentbench.scenes.scene import Scene
 from garmentbench.sequence import Sequence, Template
 from garmentbench.simulation.drive import OK, Drive
 from garmentbench.simulation.material import Settings

@@ -3,6 +3,6 @@
 Equations, sections and tables cited in this folder are that paper's, "the code" is what its authors released.
 """
 
-from methods.motion_guided.method import MotionGuided
+from garmentbench.methods.motion_guided.method import MotionGuided
 
 __all__ = ["MotionGuided"]

@@ -6,14 +6,14 @@ from pathlib import Path
 import numpy as np
 import scipy.sparse as sp
 
-from garmentbench.atomic import written_whole
 from garmentbench.errors import UserError
 from garmentbench.geometry.mesh import edge_lengths, tangent_frames, unique_edges
 from garmentbench.geometry.seeds import SeedPoints, select_seeds
 from garmentbench.geometry.surface_seeds import SurfaceSeeds
 from garmentbench.geometry.uvmap import Chart, bilinear_table, chart
+from garmentbench.methods.motion_guided.uv_tables import UVTables, table_matrix
 from garmentbench.sequence import Template
-from methods.motion_guided.uv_tables import UVTables, table_matrix
+from garmentbench.storage.atomic import written_whole
 
 
 @dataclass(frozen=True)

@@ -3,10 +3,10 @@
 import torch
 from torch import Tensor
 
-from methods.motion_guided.frames import Pose
-from methods.motion_guided.generative import GenerativeModel
-from methods.motion_guided.posing import RandomPoses
-from methods.motion_guided.training import generator
+from garmentbench.methods.motion_guided.frames import Pose
+from garmentbench.methods.motion_guided.generative import GenerativeModel
+from garmentbench.methods.motion_guided.posing import RandomPoses
+from garmentbench.methods.motion_guided.training import generator
 
 BATCHES, BATCH = 200, 16
 RIDGE = 1e-3

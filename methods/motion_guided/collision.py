@@ -12,12 +12,12 @@ from torch import Tensor
 
 from garmentbench.geometry.mesh import corner_matrix, laplacian, vertex_normals
 from garmentbench.geometry.nearest import nearest_vertices
+from garmentbench.methods.motion_guided.canonical import Canonical
+from garmentbench.methods.motion_guided.config import Collision
+from garmentbench.methods.motion_guided.descriptor import MapToVertex
+from garmentbench.methods.motion_guided.frames import to_tensor
+from garmentbench.methods.motion_guided.sparse import SparseMatrix
 from garmentbench.sequence import Body
-from methods.motion_guided.canonical import Canonical
-from methods.motion_guided.config import Collision
-from methods.motion_guided.descriptor import MapToVertex
-from methods.motion_guided.frames import to_tensor
-from methods.motion_guided.sparse import SparseMatrix
 
 ADAM_EPS = 1e-8
 

@@ -8,7 +8,7 @@ import torch
 from torch import Tensor, nn
 
 from garmentbench.geometry.uvmap import Chart
-from methods.motion_guided.sparse import SparseMatrix
+from garmentbench.methods.motion_guided.sparse import SparseMatrix
 
 FORCE_REACH = 0.04  # sigma of the interaction force [m]; the paper does not give it, the code does
 UV_BANDS = 8

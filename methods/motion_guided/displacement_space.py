@@ -6,9 +6,9 @@ import scipy.sparse.linalg as sla
 import torch
 from torch import Tensor
 
-from methods.motion_guided.canonical import Canonical
-from methods.motion_guided.frames import Pose, to_tensor
-from methods.motion_guided.generative import GenerativeModel
+from garmentbench.methods.motion_guided.canonical import Canonical
+from garmentbench.methods.motion_guided.frames import Pose, to_tensor
+from garmentbench.methods.motion_guided.generative import GenerativeModel
 
 SMOOTH_MODES, SMOOTH_SIZE = 40, 0.005  # smooth bumps of any training: how many, and the largest's size [m]
 SEAM_STIFFNESS = 50.0  # of a seam pair against an edge, so that the bumps leave seams closed

@@ -4,9 +4,9 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor, nn
 
-from methods.motion_guided.config import Model
-from methods.motion_guided.inputs import Inputs
-from methods.motion_guided.networks import Encoder, MotionFeatures, make_faint
+from garmentbench.methods.motion_guided.config import Model
+from garmentbench.methods.motion_guided.inputs import Inputs
+from garmentbench.methods.motion_guided.networks import Encoder, MotionFeatures, make_faint
 
 
 class DynamicEncoder(nn.Module):

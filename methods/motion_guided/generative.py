@@ -5,12 +5,18 @@ import torch
 from torch import Tensor, nn
 
 from garmentbench.geometry.mesh import laplacian
-from methods.motion_guided.canonical import Canonical
-from methods.motion_guided.config import Model
-from methods.motion_guided.descriptor import MapToVertex, VertexToMap, uv_encoding
-from methods.motion_guided.networks import Decoder, DisplacementMLP, Encoder, GeometryFeatures, make_faint
-from methods.motion_guided.skinning import blend_weights, blended_rotations, displace, seed_transforms, skin
-from methods.motion_guided.sparse import SparseMatrix
+from garmentbench.methods.motion_guided.canonical import Canonical
+from garmentbench.methods.motion_guided.config import Model
+from garmentbench.methods.motion_guided.descriptor import MapToVertex, VertexToMap, uv_encoding
+from garmentbench.methods.motion_guided.networks import Decoder, DisplacementMLP, Encoder, GeometryFeatures, make_faint
+from garmentbench.methods.motion_guided.skinning import (
+    blend_weights,
+    blended_rotations,
+    displace,
+    seed_transforms,
+    skin,
+)
+from garmentbench.methods.motion_guided.sparse import SparseMatrix
 
 FIRST_RADIUS = 0.05  # [m]
 PATH_UNIT = 0.1  # [m]

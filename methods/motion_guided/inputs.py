@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from methods.motion_guided.descriptor import force_strength
-from methods.motion_guided.frames import Link, Pose
-from methods.motion_guided.generative import GenerativeModel
+from garmentbench.methods.motion_guided.descriptor import force_strength
+from garmentbench.methods.motion_guided.frames import Link, Pose
+from garmentbench.methods.motion_guided.generative import GenerativeModel
 
 PLACE_UNIT, STEP_UNIT = 0.1, 0.03  # [m], [m a frame]
 

@@ -3,7 +3,7 @@
 import torch
 from torch import Tensor
 
-from methods.motion_guided.sparse import SparseMatrix
+from garmentbench.methods.motion_guided.sparse import SparseMatrix
 
 
 def reconstruction(predicted: Tensor, true: Tensor, laplacian: SparseMatrix) -> tuple[Tensor, Tensor]:

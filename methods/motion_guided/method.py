@@ -7,19 +7,18 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from garmentbench.atomic import write_text
-from garmentbench.clock import span
-from garmentbench.method import BodyFrame, FitRun, History
+from garmentbench.method import BodyFrame, FitRun, History, span
+from garmentbench.methods.motion_guided.canonical import Canonical
+from garmentbench.methods.motion_guided.collision import CollisionStage, Residual
+from garmentbench.methods.motion_guided.config import VARIANTS, Config, config_for, config_from, for_scene
+from garmentbench.methods.motion_guided.dynamics import DynamicEncoder
+from garmentbench.methods.motion_guided.frames import BodyFrames, body_frames, link
+from garmentbench.methods.motion_guided.generative import GenerativeModel
+from garmentbench.methods.motion_guided.inputs import Inputs, dynamic_inputs, past_of
+from garmentbench.methods.motion_guided.stages import train_stages
+from garmentbench.methods.motion_guided.training import load, save
 from garmentbench.sequence import Sequence, Template
-from methods.motion_guided.canonical import Canonical
-from methods.motion_guided.collision import CollisionStage, Residual
-from methods.motion_guided.config import VARIANTS, Config, config_for, config_from, for_scene
-from methods.motion_guided.dynamics import DynamicEncoder
-from methods.motion_guided.frames import BodyFrames, body_frames, link
-from methods.motion_guided.generative import GenerativeModel
-from methods.motion_guided.inputs import Inputs, dynamic_inputs, past_of
-from methods.motion_guided.stages import train_stages
-from methods.motion_guided.training import load, save
+from garmentbench.storage.atomic import write_text
 
 __all__ = ["VARIANTS", "Config", "MotionGuided", "config_for"]
 

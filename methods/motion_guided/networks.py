@@ -7,7 +7,7 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor, nn
 
-from methods.motion_guided.first_layers import ForceConv, RelativeConv
+from garmentbench.methods.motion_guided.first_layers import ForceConv, RelativeConv
 
 SLOPE, MLP_SLOPE = 0.2, 0.01  # of LeakyReLU after convolutions, and after linear layers
 FAINT = 0.1

@@ -10,9 +10,9 @@ import math
 import torch
 from torch import Tensor
 
-from methods.motion_guided.config import Posing
-from methods.motion_guided.frames import Pose
-from methods.motion_guided.limbs import Limbs
+from garmentbench.methods.motion_guided.config import Posing
+from garmentbench.methods.motion_guided.frames import Pose
+from garmentbench.methods.motion_guided.limbs import Limbs
 
 
 class RandomPoses:

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from methods.motion_guided.displacement_space import undo_pose
-from methods.motion_guided.frames import Link, Pose, link
-from methods.motion_guided.generative import GenerativeModel
-from methods.motion_guided.inputs import Past, past_of
-from methods.motion_guided.posing import RandomPoses
-from methods.motion_guided.stage1 import TrainingFrames
+from garmentbench.methods.motion_guided.displacement_space import undo_pose
+from garmentbench.methods.motion_guided.frames import Link, Pose, link
+from garmentbench.methods.motion_guided.generative import GenerativeModel
+from garmentbench.methods.motion_guided.inputs import Past, past_of
+from garmentbench.methods.motion_guided.posing import RandomPoses
+from garmentbench.methods.motion_guided.stage1 import TrainingFrames
 
 FIRST = 3  # the first frame with a velocity and an acceleration before it
 CHUNK = 16  # frames at once where no gradient is needed

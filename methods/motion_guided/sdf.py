@@ -9,10 +9,10 @@ from torch import Tensor, nn
 from garmentbench.geometry.mesh import face_normals
 from garmentbench.geometry.nearest import nearest_vertices
 from garmentbench.method import FitRun
+from garmentbench.methods.motion_guided.config import Sdf
+from garmentbench.methods.motion_guided.frames import to_tensor
+from garmentbench.methods.motion_guided.training import generator, train
 from garmentbench.sequence import Template
-from methods.motion_guided.config import Sdf
-from methods.motion_guided.frames import to_tensor
-from methods.motion_guided.training import generator, train
 
 NORMAL_WEIGHT, EIKONAL_WEIGHT = 1.0, 0.1  # tau and lambda of IGR
 NEAR_GARMENT = 0.1  # [m] Half of the samples are as near to the rest garment as this, where it is asked

@@ -6,18 +6,18 @@ import torch
 from torch import Tensor
 
 from garmentbench.method import FitRun
+from garmentbench.methods.motion_guided.canonical import Canonical
+from garmentbench.methods.motion_guided.closed_form import random_garments, solve_encoder_path
+from garmentbench.methods.motion_guided.config import Model, Stage1
+from garmentbench.methods.motion_guided.displacement_space import set_displacement_space
+from garmentbench.methods.motion_guided.frames import BodyFrames, Pose, body_frames
+from garmentbench.methods.motion_guided.generative import GenerativeModel
+from garmentbench.methods.motion_guided.limbs import Limbs
+from garmentbench.methods.motion_guided.losses import edge_deviation, latent_regulariser, reconstruction, sdf_violation
+from garmentbench.methods.motion_guided.posing import RandomPoses
+from garmentbench.methods.motion_guided.sdf import SignedDistance
+from garmentbench.methods.motion_guided.training import batch_at, generator, train
 from garmentbench.sequence import Sequence
-from methods.motion_guided.canonical import Canonical
-from methods.motion_guided.closed_form import random_garments, solve_encoder_path
-from methods.motion_guided.config import Model, Stage1
-from methods.motion_guided.displacement_space import set_displacement_space
-from methods.motion_guided.frames import BodyFrames, Pose, body_frames
-from methods.motion_guided.generative import GenerativeModel
-from methods.motion_guided.limbs import Limbs
-from methods.motion_guided.losses import edge_deviation, latent_regulariser, reconstruction, sdf_violation
-from methods.motion_guided.posing import RandomPoses
-from methods.motion_guided.sdf import SignedDistance
-from methods.motion_guided.training import batch_at, generator, train
 
 
 @dataclass(frozen=True)

@@ -4,17 +4,17 @@ import torch
 from torch import Tensor
 
 from garmentbench.method import FitRun
-from methods.motion_guided.closed_form import RIDGE, ridge
-from methods.motion_guided.config import Model, Stage2
-from methods.motion_guided.dynamics import DynamicEncoder
-from methods.motion_guided.generative import GenerativeModel
-from methods.motion_guided.inputs import Inputs, dynamic_inputs, flat_place
-from methods.motion_guided.limbs import Limbs
-from methods.motion_guided.losses import dynamic_pair, latent_regulariser
-from methods.motion_guided.posing import RandomPoses
-from methods.motion_guided.samples import CHUNK, FIRST, Recorded, Reposed, Sample
-from methods.motion_guided.stage1 import TrainingFrames
-from methods.motion_guided.training import batch_at, generator, train
+from garmentbench.methods.motion_guided.closed_form import RIDGE, ridge
+from garmentbench.methods.motion_guided.config import Model, Stage2
+from garmentbench.methods.motion_guided.dynamics import DynamicEncoder
+from garmentbench.methods.motion_guided.generative import GenerativeModel
+from garmentbench.methods.motion_guided.inputs import Inputs, dynamic_inputs, flat_place
+from garmentbench.methods.motion_guided.limbs import Limbs
+from garmentbench.methods.motion_guided.losses import dynamic_pair, latent_regulariser
+from garmentbench.methods.motion_guided.posing import RandomPoses
+from garmentbench.methods.motion_guided.samples import CHUNK, FIRST, Recorded, Reposed, Sample
+from garmentbench.methods.motion_guided.stage1 import TrainingFrames
+from garmentbench.methods.motion_guided.training import batch_at, generator, train
 
 POSES = 8  # random poses of each frame that the pose path is solved on
 

@@ -5,18 +5,18 @@ from dataclasses import asdict
 
 import torch
 
-from garmentbench.fingerprint import fingerprint
 from garmentbench.method import FitRun
+from garmentbench.methods.motion_guided.canonical import Canonical
+from garmentbench.methods.motion_guided.config import Config
+from garmentbench.methods.motion_guided.dynamics import DynamicEncoder
+from garmentbench.methods.motion_guided.generative import GenerativeModel
+from garmentbench.methods.motion_guided.limbs import Limbs, find_limbs
+from garmentbench.methods.motion_guided.sdf import SignedDistance, fit_sdf
+from garmentbench.methods.motion_guided.stage1 import TrainingFrames, fit_stage1, training_frames
+from garmentbench.methods.motion_guided.stage2 import fit_stage2
+from garmentbench.methods.motion_guided.training import WEIGHTS, load
 from garmentbench.sequence import Sequence
-from methods.motion_guided.canonical import Canonical
-from methods.motion_guided.config import Config
-from methods.motion_guided.dynamics import DynamicEncoder
-from methods.motion_guided.generative import GenerativeModel
-from methods.motion_guided.limbs import Limbs, find_limbs
-from methods.motion_guided.sdf import SignedDistance, fit_sdf
-from methods.motion_guided.stage1 import TrainingFrames, fit_stage1, training_frames
-from methods.motion_guided.stage2 import fit_stage2
-from methods.motion_guided.training import WEIGHTS, load
+from garmentbench.storage.fingerprint import fingerprint
 
 
 def train_stages(
@@ -34,7 +34,7 @@ def train_stages(
 
 
 def _sdf(train: Sequence, config: Config, run: FitRun, device: torch.device, identity: dict) -> SignedDistance:
-    about = {**identity, "sdf": asdict(config.sdf), "code": fingerprint("methods.motion_guided.sdf")}
+    about = {**identity, "sdf": asdict(config.sdf), "code": fingerprint("garmentbench.methods.motion_guided.sdf")}
     stage = run.stage("sdf", about)
     if not stage.finished:
         fit_sdf(train.template, config.sdf, stage, device)
@@ -53,7 +53,7 @@ def _stage1(
     run: FitRun,
     identity: dict,
 ) -> GenerativeModel:
-    code = fingerprint("methods.motion_guided.stage1")
+    code = fingerprint("garmentbench.methods.motion_guided.stage1")
     options = {part: asdict(getattr(config, part)) for part in ("model", "sdf", "stage1")}
     stage = run.stage("stage1", {**identity, **options, "code": code})
     if not stage.finished:
@@ -73,7 +73,7 @@ def _stage2(
     run: FitRun,
     identity: dict,
 ) -> DynamicEncoder:
-    code = fingerprint("methods.motion_guided.stage2")
+    code = fingerprint("garmentbench.methods.motion_guided.stage2")
     options = {part: asdict(getattr(config, part)) for part in ("model", "sdf", "stage1", "stage2")}
     stage = run.stage("stage2", {**identity, **options, "code": code})
     if not stage.finished:

@@ -12,9 +12,9 @@ from pathlib import Path
 import torch
 from torch import Tensor, nn
 
-from garmentbench.atomic import written_whole
 from garmentbench.method import FitRun
-from methods.motion_guided.config import Training
+from garmentbench.methods.motion_guided.config import Training
+from garmentbench.storage.atomic import written_whole
 
 CHECKPOINT_SECONDS = 20.0
 LOG_STEPS = 50

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import pandas
 
-from evals.jobs import Failure
-from evals.rows import merged, write_results
-from evals.run import _data_rows
 from garmentbench import sequence_file
-from garmentbench.report.datacards import cards_in
-from garmentbench.report.results import read_results
-from garmentbench.tiny import tiny_sequence
+from garmentbench.evals.data import cards_in
+from garmentbench.evals.rows import merged, write_results
+from garmentbench.evals.run import _data_rows
+from garmentbench.evaluation.toy import tiny_sequence
+from garmentbench.report.lines import read_results
+from garmentbench.storage.jobs import Failure
 
 
 def test_cards_reach_results_and_stay_when_other_experiments_are_made_again(tmp_path):

@@ -5,11 +5,11 @@ import math
 import pandas
 import pytest
 
-from evals.jobs import Failure
-from evals.rows import about, failed_row, merged, with_skill, write_results
-from garmentbench.presets import PRESETS
-from garmentbench.report.results import COLUMNS
-from garmentbench.scene import load_scene
+from garmentbench.evals.rows import about, failed_row, merged, with_skill, write_results
+from garmentbench.report.lines import COLUMNS
+from garmentbench.scenes.presets import PRESETS
+from garmentbench.scenes.scene import load_scene
+from garmentbench.storage.jobs import Failure
 
 SCENE = load_scene("tshirt-armspace-90")
 

@@ -14,11 +14,11 @@ import pytest
 from garmentbench import __version__, paths, sequence_file
 from garmentbench.cli import main
 from garmentbench.commands import COMMANDS
-from garmentbench.making import IDENTITY, sequence_identity
-from garmentbench.presets import preset
-from garmentbench.runs import RunStore
-from garmentbench.scene import load_scene
-from garmentbench.tiny import tiny_sequence
+from garmentbench.evaluation.toy import tiny_sequence
+from garmentbench.reference import IDENTITY, sequence_identity
+from garmentbench.scenes.presets import preset
+from garmentbench.scenes.scene import load_scene
+from garmentbench.storage.runs import RunStore
 
 SCENE = 'garment = "tshirt"\nbody = "base"\nmotion = "armspace-75"\nsplit = "train"\nframes = 20\n'
 
@@ -104,8 +104,8 @@ def test_help_of_each_command_shows_an_example(name, capsys):
         (["simulate", "sheet-stick-a", "--preset", "smok"], "unknown preset 'smok': did you mean 'smoke'?"),
         (["train", "skining", "--preset", "smoke"], "unknown method 'skining': did you mean 'skinning'?"),
         (
-            ["train", "garmentbench.scene:Scene", "--preset", "smoke"],
-            "garmentbench.scene:Scene: is no method: name: is missing",
+            ["train", "garmentbench.scenes.scene:Scene", "--preset", "smoke"],
+            "garmentbench.scenes.scene:Scene: is no method: name: is missing",
         ),
         (["check-method", "no_such_package:Method"], "no module named 'no_such_package'"),
         (["train", "skinning", "--variant", "ful", "--preset", "smoke"], "did you mean 'full'?"),
@@ -198,7 +198,7 @@ def test_check_says_what_is_wrong_with_a_file(home, capsys, how, complaint):
 def test_a_damaged_sequence_is_never_trained_on(tiny, home, capsys, monkeypatch):
     made = []
     monkeypatch.setattr(
-        "garmentbench.making._simulated", lambda scene, size: made.append(scene.name) or tiny_sequence(20)
+        "garmentbench.reference._simulated", lambda scene, size: made.append(scene.name) or tiny_sequence(20)
     )
     damaged(paths.sequence_path("smoke", "tiny"), "truncated")
     code, _, lines = typed(

@@ -6,10 +6,10 @@ from importlib.metadata import EntryPoint
 
 import pytest
 
-import methods
+from garmentbench import methods
 from garmentbench.errors import UsageError
-from methods import METHODS, load_method
-from methods.skinning import Skinning
+from garmentbench.methods import METHODS, load_method
+from garmentbench.methods.baselines.skinning import Skinning
 
 
 @pytest.mark.parametrize("name", METHODS)
@@ -18,11 +18,11 @@ def test_each_name_leads_to_a_method_of_that_name(name):
 
 
 def test_module_and_class():
-    assert load_method("methods.skinning:Skinning") is Skinning
+    assert load_method("garmentbench.methods.baselines.skinning:Skinning") is Skinning
 
 
 def test_entry_points(monkeypatch):
-    found = [EntryPoint("theirs", "methods.skinning:Skinning", methods.ENTRY_POINTS)]
+    found = [EntryPoint("theirs", "garmentbench.methods.baselines.skinning:Skinning", methods.ENTRY_POINTS)]
     monkeypatch.setattr(methods, "entry_points", lambda group: found if group == "garmentbench.methods" else [])
     assert load_method("theirs") is Skinning
     with pytest.raises(UsageError, match="theirs"):
@@ -34,8 +34,8 @@ def test_entry_points(monkeypatch):
     [
         ("skining", "unknown method 'skining': did you mean 'skinning'?"),
         ("no_such_module:Method", "no module named 'no_such_module'"),
-        ("methods.skinning:Skining", "has no attribute 'Skining'"),
-        ("methods.skinning:", 'or "module:Class"'),
+        ("garmentbench.methods.baselines.skinning:Skining", "has no attribute 'Skining'"),
+        ("garmentbench.methods.baselines.skinning:", 'or "module:Class"'),
         (":Skinning", 'or "module:Class"'),
     ],
 )

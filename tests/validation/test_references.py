@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from garmentbench.making import own_interpenetration, own_self_intersection
-from garmentbench.presets import preset
-from garmentbench.scene import load_scene
+from garmentbench.reference import own_interpenetration, own_self_intersection
+from garmentbench.scenes.presets import preset
+from garmentbench.scenes.scene import load_scene
 from garmentbench.simulation.simulate import simulate
 
 GARMENTS = ("tshirt", "bodysuit", "pleated_skirt", "dress", "over_skirt")

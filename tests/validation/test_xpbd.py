@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from sheets import FPS, HARD, equilateral, floor, grid, run, tilt
+from sheets import HARD, equilateral, floor, grid, run, tilt
 
 GRAVITY = 9.81
 

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from garmentbench.garments import load_garment
+from garmentbench.evaluation.toy import tiny_sequence
 from garmentbench.geometry.mesh import unique_edges
 from garmentbench.geometry.subdivide import subdivided
+from garmentbench.scenes.garments import load_garment
 from garmentbench.sequence import Garment
 from garmentbench.simulation.assembly import assemble, weld
 from garmentbench.simulation.material import Material, Settings
-from garmentbench.tiny import tiny_sequence
 
 SQUARE = Garment(
     "square",

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from garmentbench.errors import UserError
+from garmentbench.evaluation.toy import tiny_sequence
 from garmentbench.geometry.unwrap import unwrap
 from garmentbench.geometry.uvmap import chart
-from garmentbench.tiny import tiny_sequence
 
 BODY = tiny_sequence(1).template.body  # closed, so it has to be cut
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from garmentbench.evaluation.toy import tiny_sequence
 from garmentbench.metrics import METRICS
 from garmentbench.metrics.interpenetration import interpenetration
 from garmentbench.metrics.interpenetration_strict import depth_p95, interpenetration_strict, signed_distances
@@ -11,7 +12,6 @@ from garmentbench.metrics.jitter import jitter
 from garmentbench.metrics.l2 import l2
 from garmentbench.metrics.liveliness import liveliness
 from garmentbench.metrics.strain import strain_p95
-from garmentbench.tiny import tiny_sequence
 
 
 def scene():

@@ -3,8 +3,8 @@
 import numpy as np
 import trimesh
 
+from garmentbench.evaluation.toy import tiny_sequence
 from garmentbench.metrics.interpenetration_strict import signed_distances
-from garmentbench.tiny import tiny_sequence
 
 
 def plain_signed_distance(point, triangles):

@@ -6,7 +6,7 @@ import pytest
 from garmentbench.metrics.change import change
 from garmentbench.metrics.energy_left import energy_left
 from garmentbench.motion.placing import place
-from garmentbench.scene import Motion
+from garmentbench.scenes.scene import Motion
 
 
 def test_energy_left_of_a_vertex_that_slows_down_to_a_tenth():

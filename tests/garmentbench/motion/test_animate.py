@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from garmentbench.bodies import load_body
 from garmentbench.errors import UsageError
 from garmentbench.motion import animate, motion_names
 from garmentbench.motion.gait import GAITS
 from garmentbench.motion.timing import WARM_UP, timing
-from garmentbench.presets import PRESETS
-from garmentbench.scene import Motion, Scene
+from garmentbench.scenes.bodies import load_body
+from garmentbench.scenes.presets import PRESETS
+from garmentbench.scenes.scene import Motion, Scene
 
 LAPTOP = PRESETS["laptop"]
 

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from garmentbench.bodies import BakedBody, joint_positions, load_body, pose_exact
 from garmentbench.motion import animate
 from garmentbench.motion.performing import perform
 from garmentbench.motion.score import Score
 from garmentbench.motion.scores import SCORES
 from garmentbench.motion.timing import WARM_UP, score_timing
-from garmentbench.presets import PRESETS
-from garmentbench.scene import Motion, Scene
+from garmentbench.scenes.bodies import BakedBody, joint_positions, load_body, pose_exact
+from garmentbench.scenes.presets import PRESETS
+from garmentbench.scenes.scene import Motion, Scene
 
 FPS = 30
 FRAMES = 495

@@ -7,9 +7,9 @@ import pytest
 import trimesh
 
 from garmentbench.errors import UsageError
-from garmentbench.garments import load_garment
 from garmentbench.motion.stick import LENGTH, RADIUS, WARM_UP, animate_stick, stick, stick_motions
-from garmentbench.scene import Motion, Scene
+from garmentbench.scenes.garments import load_garment
+from garmentbench.scenes.scene import Motion, Scene
 
 FPS = 30.0
 

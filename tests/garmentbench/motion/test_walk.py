@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from garmentbench.bodies import joint_positions, load_body, pose_exact
 from garmentbench.motion.easing import cyclic_steps, rolling_start, smoothstep
 from garmentbench.motion.foot import STANCE
 from garmentbench.motion.gait import GAITS
 from garmentbench.motion.variation import vary
 from garmentbench.motion.walk import swing_path, walk
+from garmentbench.scenes.bodies import joint_positions, load_body, pose_exact
 
 FPS = 30
 

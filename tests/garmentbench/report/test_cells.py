@@ -3,9 +3,9 @@ import math
 import numpy as np
 import pytest
 
+from garmentbench.evals.paper_numbers import paper_number
 from garmentbench.report.cells import best, number, value_cell
-from garmentbench.report.paper_numbers import paper_number
-from garmentbench.report.results import Value, confidence_95
+from garmentbench.report.lines import Value, confidence_95
 from garmentbench.report.table import Cell, Table, html_table, latex, markdown
 
 

@@ -9,7 +9,7 @@ import pytest
 from report_example import WALK, row, write_example, write_results
 
 from garmentbench.errors import UserError
-from garmentbench.report import make_report
+from garmentbench.evals.report import make_report
 
 
 def contents(folder: Path) -> dict[str, bytes]:

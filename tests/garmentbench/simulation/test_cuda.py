@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import warp as wp
 
-from garmentbench.presets import preset
-from garmentbench.scene import Motion, Scene
+from garmentbench.scenes.presets import preset
+from garmentbench.scenes.scene import Motion, Scene
 from garmentbench.simulation.simulate import simulate
 
 ARCHITECTURE = 90  # of Hopper

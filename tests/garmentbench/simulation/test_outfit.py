@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from garmentbench import sequence_file
-from garmentbench.layers import sewn
 from garmentbench.metrics.interpenetration_strict import signed_distances
-from garmentbench.presets import preset
-from garmentbench.scene import inner_scene, load_scene
+from garmentbench.scenes.inner_garment import sewn
+from garmentbench.scenes.presets import preset
+from garmentbench.scenes.scene import inner_scene, load_scene
 from garmentbench.simulation.outfit import Outfit
 from garmentbench.simulation.simulate import measure_uncertainty, simulate
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from garmentbench.errors import UsageError, UserError
-from garmentbench.presets import preset
 from garmentbench.progress import listening
-from garmentbench.scene import Motion, Scene
+from garmentbench.scenes.presets import preset
+from garmentbench.scenes.scene import Motion, Scene
 from garmentbench.simulation.material import Material, Settings, override
 from garmentbench.simulation.simulate import measure_uncertainty, simulate
 

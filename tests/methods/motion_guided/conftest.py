@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from garmentbench.runs import RunStore
+from garmentbench.methods.motion_guided import MotionGuided
+from garmentbench.methods.motion_guided.config import Collision, Config, Model, Posing, Sdf, Stage1, Stage2, Training
 from garmentbench.sequence import Body, Garment, Sequence, Template
-from methods.motion_guided import MotionGuided
-from methods.motion_guided.config import Collision, Config, Model, Posing, Sdf, Stage1, Stage2, Training
+from garmentbench.storage.runs import RunStore
 
 
 def tube(radius: float, height: float, rows: int, columns: int, closed: bool) -> tuple[np.ndarray, ...]:

@@ -4,8 +4,8 @@ import torch
 
 from garmentbench.geometry.mesh import vertex_normals
 from garmentbench.geometry.nearest import plane_distances
-from methods.motion_guided.collision import CollisionStage, Planes, Residual
-from methods.motion_guided.config import Collision
+from garmentbench.methods.motion_guided.collision import CollisionStage, Planes, Residual
+from garmentbench.methods.motion_guided.config import Collision
 
 CPU = torch.device("cpu")
 

@@ -4,7 +4,7 @@ import pytest
 import torch
 import torch.nn.functional as F
 
-from methods.motion_guided.first_layers import ForceConv, RelativeConv
+from garmentbench.methods.motion_guided.first_layers import ForceConv, RelativeConv
 
 SIZES = [(1, 1, 4, 3), (2, 5, 8, 7), (3, 11, 16, 4)]  # batch, seeds, pixels, channels
 

@@ -6,13 +6,13 @@ import torch
 
 from garmentbench.errors import UserError
 from garmentbench.method import BodyFrame, History
-from methods.motion_guided import MotionGuided
-from methods.motion_guided.canonical import Canonical
-from methods.motion_guided.dynamics import DynamicEncoder
-from methods.motion_guided.generative import GenerativeModel
-from methods.motion_guided.samples import Recorded
-from methods.motion_guided.stage1 import stage1_loss, training_frames
-from methods.motion_guided.stage2 import sample_inputs, stage2_loss
+from garmentbench.methods.motion_guided import MotionGuided
+from garmentbench.methods.motion_guided.canonical import Canonical
+from garmentbench.methods.motion_guided.dynamics import DynamicEncoder
+from garmentbench.methods.motion_guided.generative import GenerativeModel
+from garmentbench.methods.motion_guided.samples import Recorded
+from garmentbench.methods.motion_guided.stage1 import stage1_loss, training_frames
+from garmentbench.methods.motion_guided.stage2 import sample_inputs, stage2_loss
 
 
 def roll_out(method, sequence, frames=4, start=3):

@@ -2,8 +2,8 @@ import pytest
 import torch
 from torch import nn
 
-from methods.motion_guided.config import config_for
-from methods.motion_guided.networks import (
+from garmentbench.methods.motion_guided.config import config_for
+from garmentbench.methods.motion_guided.networks import (
     Decoder,
     DisplacementMLP,
     Encoder,

@@ -9,11 +9,11 @@ import torch
 
 from garmentbench.geometry.mesh import laplacian, unique_edges
 from garmentbench.geometry.nearest import plane_distances
-from methods.motion_guided.descriptor import force_strength, uv_encoding
-from methods.motion_guided.frames import smallest_rotations
-from methods.motion_guided.losses import latent_regulariser
-from methods.motion_guided.skinning import blend_weights, displace, seed_transforms, skin
-from methods.motion_guided.sparse import SparseMatrix
+from garmentbench.methods.motion_guided.descriptor import force_strength, uv_encoding
+from garmentbench.methods.motion_guided.frames import smallest_rotations
+from garmentbench.methods.motion_guided.losses import latent_regulariser
+from garmentbench.methods.motion_guided.skinning import blend_weights, displace, seed_transforms, skin
+from garmentbench.methods.motion_guided.sparse import SparseMatrix
 
 
 @pytest.fixture(scope="module")

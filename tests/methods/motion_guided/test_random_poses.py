@@ -8,16 +8,16 @@ import torch
 from scipy.spatial.transform import Rotation
 
 from garmentbench.geometry.seeds import select_seeds
-from methods.motion_guided.canonical import Canonical
-from methods.motion_guided.closed_form import random_garments, ridge, solve_encoder_path
-from methods.motion_guided.config import Posing
-from methods.motion_guided.displacement_space import set_displacement_space, smooth_modes, undo_pose
-from methods.motion_guided.generative import GenerativeModel
-from methods.motion_guided.limbs import find_limbs
-from methods.motion_guided.posing import RandomPoses
-from methods.motion_guided.samples import Recorded, Reposed
-from methods.motion_guided.stage1 import training_frames
-from methods.motion_guided.training import generator
+from garmentbench.methods.motion_guided.canonical import Canonical
+from garmentbench.methods.motion_guided.closed_form import random_garments, ridge, solve_encoder_path
+from garmentbench.methods.motion_guided.config import Posing
+from garmentbench.methods.motion_guided.displacement_space import set_displacement_space, smooth_modes, undo_pose
+from garmentbench.methods.motion_guided.generative import GenerativeModel
+from garmentbench.methods.motion_guided.limbs import find_limbs
+from garmentbench.methods.motion_guided.posing import RandomPoses
+from garmentbench.methods.motion_guided.samples import Recorded, Reposed
+from garmentbench.methods.motion_guided.stage1 import training_frames
+from garmentbench.methods.motion_guided.training import generator
 
 CPU = torch.device("cpu")
 

@@ -3,11 +3,11 @@ import pytest
 import torch
 import trimesh
 
-from garmentbench.runs import RunStore
+from garmentbench.methods.motion_guided.config import Sdf, Training
+from garmentbench.methods.motion_guided.sdf import SignedDistance, fit_sdf, surface_samples
+from garmentbench.methods.motion_guided.training import WEIGHTS, load
 from garmentbench.sequence import Body, Garment, Template
-from methods.motion_guided.config import Sdf, Training
-from methods.motion_guided.sdf import SignedDistance, fit_sdf, surface_samples
-from methods.motion_guided.training import WEIGHTS, load
+from garmentbench.storage.runs import RunStore
 
 RADIUS, CENTRE = 0.3, np.array([0.5, 0.0, 1.0])
 

@@ -4,8 +4,8 @@ import torch
 from scipy.spatial.transform import Rotation
 
 from garmentbench.geometry.seeds import select_seeds
-from methods.motion_guided.frames import body_frames, heading, link
-from methods.motion_guided.skinning import blend_weights, blended_rotations, seed_transforms, skin
+from garmentbench.methods.motion_guided.frames import body_frames, heading, link
+from garmentbench.methods.motion_guided.skinning import blend_weights, blended_rotations, seed_transforms, skin
 
 
 @pytest.fixture

@@ -8,9 +8,9 @@ import pytest
 import torch
 
 from garmentbench.method import BodyFrame, History
-from garmentbench.runs import RunStore
-from methods.motion_guided import MotionGuided, training
-from methods.motion_guided.config import SIZES, VARIANTS, Config, config_for, config_from
+from garmentbench.methods.motion_guided import MotionGuided, training
+from garmentbench.methods.motion_guided.config import SIZES, VARIANTS, Config, config_for, config_from
+from garmentbench.storage.runs import RunStore
 
 
 def _stages(store: RunStore) -> dict[str, list[str]]:

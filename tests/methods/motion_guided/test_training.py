@@ -3,9 +3,17 @@ import pytest
 import torch
 from torch import nn
 
-from methods.motion_guided import training
-from methods.motion_guided.config import Training
-from methods.motion_guided.training import CHECKPOINT, WEIGHTS, batch_at, generator, learning_rate, load, train
+from garmentbench.methods.motion_guided import training
+from garmentbench.methods.motion_guided.config import Training
+from garmentbench.methods.motion_guided.training import (
+    CHECKPOINT,
+    WEIGHTS,
+    batch_at,
+    generator,
+    learning_rate,
+    load,
+    train,
+)
 
 
 class Folder:

@@ -3,7 +3,7 @@ import pytest
 import torch
 
 from garmentbench.geometry.uvmap import Chart
-from methods.motion_guided.uv_tables import UVTables, enlargement
+from garmentbench.methods.motion_guided.uv_tables import UVTables, enlargement
 
 
 @pytest.mark.parametrize("small", [2, 4, 8])

@@ -1,0 +1,1 @@
+"""Trust in the reference: finer steps, other starts, a finer mesh."""

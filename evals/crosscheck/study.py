@@ -1,0 +1,236 @@
+"""Trust in the reference: the same scenes in an independent engine (Newton's VBD), with the cloth matched by two strips.
+
+The difference is reported, not hidden. Part of it is the material: the reference's cloth gives way more easily when it
+is shortened than when it is stretched (`compression`), which the other engine's does not. So the reference is also run
+without that, and the other engine with twice its substeps, to say how far it agrees with itself.
+"""
+
+from dataclasses import asdict, dataclass, replace
+from importlib.metadata import PackageNotFoundError, version
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from garmentbench.evals.convergence.study import SCENES  # one a garment
+from garmentbench.evals.crosscheck.match_material import match
+from garmentbench.evals.crosscheck.model import VbdSettings
+from garmentbench.evals.crosscheck.table import CROSSCHECK, ENGINE
+from garmentbench.evals.crosscheck.vbd import drive_vbd, require_newton
+from garmentbench.evals.rows import about, failed_row
+from garmentbench.evals.study import Study
+from garmentbench.evaluation.rollout import OK, ROLL_OUT, RollOut
+from garmentbench.geometry.mesh import edge_lengths, unique_edges
+from garmentbench.metrics import METRICS
+from garmentbench.metrics.difference import difference, difference_p95
+from garmentbench.reference import sequence_identity
+from garmentbench.scenes.presets import Preset
+from garmentbench.scenes.scene import Scene, load_scene
+from garmentbench.sequence import Sequence
+from garmentbench.storage.atomic import written_whole
+from garmentbench.storage.fingerprint import fingerprint
+from garmentbench.storage.jobs import Failure, Job
+from garmentbench.storage.runs import Run, RunStore, run_id
+
+if TYPE_CHECKING:
+    from garmentbench.simulation.outfit import Outfit
+
+FRAMES = 60
+POSITIONS = "positions.npy"
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One comparison.
+
+    Attributes:
+        name: The variant in results.csv.
+        substeps: Times as many substeps in the other engine.
+        compression: The reference's own share of stiffness under shortening; None: the scene's.
+        scenes: On which scenes.
+    """
+
+    name: str
+    substeps: int = 1
+    compression: float | None = None
+    scenes: tuple[str, ...] = SCENES
+
+
+VARIANTS = (
+    Variant("full"),
+    Variant("compression_1", compression=1.0),
+    Variant("substeps_x2", substeps=2, scenes=SCENES[:1]),  # one scene says how far the other engine agrees with itself
+)
+
+
+def compare(scene_name: str, preset: Preset, variant: Variant) -> str:
+    """Simulate a scene's first frames in both engines and compare them, unless that is done; the id of the run.
+
+    Raises `UserError` where Newton is not installed.
+    """
+    with RunStore().open(CROSSCHECK, _identity(scene_name, preset, variant)) as run:
+        if not run.finished:
+            _compare(run, scene_name, preset, variant)
+    return run.id
+
+
+def _compare(run: Run, scene_name: str, preset: Preset, variant: Variant) -> None:
+    from garmentbench import sequence_file
+    from garmentbench.device import quiet_warp
+    from garmentbench.evaluation.excerpt import write_material
+    from garmentbench.reference import make_sequence
+    from garmentbench.simulation.simulate import simulate
+
+    quiet_warp()
+    scene = load_scene(scene_name)
+    scene = replace(scene, frames=min(FRAMES, scene.frames))
+    made = sequence_file.load(make_sequence(scene_name, preset), scene.frames)
+    reference = made
+    if variant.compression is not None:
+        reference = simulate(replace(scene, material=scene.material | {"compression": variant.compression}), preset)
+    other, matched = _other(run, scene, preset, variant.substeps)
+    garment = np.load(other.folder / POSITIONS)
+    write_material(run.folder, reference, RollOut(ROLL_OUT, 0, garment, None, np.full((len(garment), 3), np.nan)))
+    run.finish(
+        {
+            "rows": _measures(garment, other.results["ms_per_frame"], reference, made.uncertainty_cm),
+            "match": matched,
+            "message": "",
+        }
+    )
+
+
+def _other(run: Run, scene: Scene, preset: Preset, times: int) -> tuple[Run, dict]:
+    """The scene in the other engine with so many times its substeps, and the match of its cloth; shared by comparisons.
+
+    It goes from the same start through the same warm-up. Of two layers it is the outer one; the one beneath is the
+    reference's.
+    """
+    from garmentbench.simulation.outfit import Outfit
+
+    outfit = Outfit.of(scene, preset)
+    outer, plain = outfit.layers[-1], VbdSettings()
+    plain = replace(plain, substeps=times * plain.substeps)
+    edge = round(float(np.median(edge_lengths(outer.garment.rest, unique_edges(outer.garment.faces)))), 3)
+    common = {"material": outer.material, "settings": outer.settings} | _code()
+    strips = run.stage("strips", common | {"vbd": plain, "edge": edge})
+    if not strips.finished:
+        strips.finish(asdict(match(outer.material, outer.settings, plain, edge)))
+    fitted = VbdSettings(**strips.results["settings"])
+    ran = run.stage("newton", common | {"vbd": fitted, "scene": sequence_identity(scene, preset)})
+    if not ran.finished:
+        positions, ms = _vbd(outfit, scene.name, fitted)
+        with written_whole(ran.folder / POSITIONS) as partial, partial.open("wb") as file:
+            np.save(file, positions)
+        ran.finish({"ms_per_frame": ms})
+    return ran, {key: strips.results[key] for key in ("hanging", "cantilever")}
+
+
+def _vbd(outfit: "Outfit", name: str, vbd: VbdSettings) -> tuple[np.ndarray, float]:
+    """Positions after the warm-up [m], shape (T, V, 3), and ms a frame, in the other engine."""
+    from garmentbench.progress import track
+    from garmentbench.simulation.obstacle import Obstacle
+
+    body, positions, outer = outfit.animation.body, outfit.animation.positions, outfit.layers[-1]
+    count, beneath = outfit.animation.warm_up + outfit.frames, None
+    if len(outfit.layers) > 1:
+        worn = replace(outfit, layers=outfit.layers[:-1]).simulate(outfit.frames, "cpu")[-1]
+        beneath = (worn.body, worn.surface[:count])
+    obstacle = Obstacle.of(body, positions[:count], beneath)
+    with track(count - 1, f"simulate {name} in Newton") as step:
+        ran = drive_vbd(
+            outer.garment, outer.start, obstacle, count, outfit.fps, outer.material, outer.settings, vbd, step
+        )
+    return ran.positions[outfit.animation.warm_up :], ran.ms_per_frame
+
+
+def _measures(garment: np.ndarray, ms: float, reference: Sequence, uncertainty: float | None) -> list[dict]:
+    """Rows of one comparison: each metric of the other engine's garment, with the reference's own."""
+    own, body = reference.garment, reference.body
+    values: dict[str, tuple[float, float | None]] = {"ms_per_frame": (ms, reference.info["simulation"]["ms_per_frame"])}
+    if reference.template.needs.body:
+        theirs, ours = (_penetration(g, body, reference.template.body.faces) for g in (garment, own))
+        values |= {name: (value, ours[name]) for name, value in theirs.items()}
+    doubt = {"uncertainty": uncertainty}
+    rows = [
+        _row("difference", difference(garment, own)) | doubt,
+        _row("difference_p95", difference_p95(garment, own)) | doubt,
+    ]
+    return rows + [_row(name, value, known) for name, (value, known) in values.items()]
+
+
+def _penetration(garment: np.ndarray, body: np.ndarray, faces: np.ndarray) -> dict[str, float]:
+    from garmentbench.metrics.interpenetration import interpenetration
+    from garmentbench.metrics.interpenetration_strict import depth_p95, interpenetration_strict, signed_distances
+
+    distances = signed_distances(garment, body, faces)
+    return {
+        "interpenetration": interpenetration(garment, body, faces),
+        "interpenetration_strict": interpenetration_strict(distances),
+        "depth_p95": depth_p95(distances),
+    }
+
+
+def _row(metric: str, value: float, reference: float | None = None) -> dict:
+    return {"metric": metric, "value": value, "unit": METRICS[metric].unit, "reference_value": reference, "status": OK}
+
+
+def _identity(scene_name: str, preset: Preset, variant: Variant) -> dict:
+    return {
+        "scene": scene_name,
+        "preset": preset.name,
+        "variant": {"name": variant.name, "substeps": variant.substeps, "compression": variant.compression},
+        "frames": FRAMES,
+        "reference": sequence_identity(load_scene(scene_name), preset),
+    } | _code()
+
+
+def _code() -> dict:
+    """What the other engine is."""
+    try:
+        engine = version("newton")
+    except PackageNotFoundError:
+        engine = None
+    return {"code": fingerprint("garmentbench.evals.crosscheck", "garmentbench.evaluation.excerpt"), "newton": engine}
+
+
+def _comparisons() -> list[tuple[str, Variant]]:
+    return [(scene, v) for scene in SCENES for v in VARIANTS if scene in v.scenes]
+
+
+def _key(scene: str, variant: Variant) -> tuple:
+    return (CROSSCHECK, scene, variant.name)
+
+
+def _jobs(preset: Preset) -> dict[tuple, Job]:
+    """One job a scene and variant; what shares its run of the other engine with the plain comparison waits for that."""
+    jobs = {}
+    for scene, v in _comparisons():
+        key, name, plain = _key(scene, v), f"cross-check {scene}, {v.name}", _key(scene, VARIANTS[0])
+        after = (plain,) if key != plain and v.substeps == 1 else ()
+        jobs[key] = Job(key, name, compare, (), (scene, preset, v), 60.0 * v.substeps, after)
+    return jobs
+
+
+def _runs(preset: Preset) -> dict[tuple, str]:
+    return {_key(scene, v): run_id(CROSSCHECK, _identity(scene, preset, v)) for scene, v in _comparisons()}
+
+
+def _rows(preset: Preset, results: dict) -> list[dict]:
+    return [row for scene, v in _comparisons() for row in _variant_rows(scene, v, preset, results)]
+
+
+def _variant_rows(scene: str, variant: Variant, preset: Preset, results: dict) -> list[dict]:
+    """The rows of one comparison, and how well the strips agree [%]."""
+    columns = about(CROSSCHECK, preset, load_scene(scene), ENGINE, variant.name, None, 0)
+    result = results[_key(scene, variant)]
+    if isinstance(result, Failure):
+        return [failed_row(columns, result) | {"metric": "difference"}]
+    run = RunStore().get(result)
+    strips = [
+        {"metric": f"match_{name}", "value": 100 * abs(value), "unit": "%", "status": OK}
+        for name, value in run.results["match"].items()
+    ]
+    return [columns | row | {"horizon": FRAMES, "run_id": run.id} for row in run.results["rows"] + strips]
+
+
+STUDY = Study(CROSSCHECK, _jobs, _rows, _runs, require_newton)

@@ -1,0 +1,1 @@
+"""How the motions are distributed."""

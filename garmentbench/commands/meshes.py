@@ -1,0 +1,108 @@
+"""Commands that bring mesh sequences in and out."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from tyro.conf import Positional
+
+
+@dataclass(frozen=True)
+class Import:
+    """Make a sequence of a garment's and a body's moving meshes, from OBJ, PC2, MDD, npz, HDF5, USD or Alembic.
+
+    Units, up axis and frame rate are as given, else as the files say, else told by the body; they are said back, and what
+    can't be told is asked for. The file that is made can be used wherever a scene's name is taken.
+
+    Arrays in npz and HDF5: positions (frames, vertices, 3), faces (n, 3) from 0, and where there are: uv (vertices, 2) or
+    (faces, 3, 2), rest (vertices, 3), pins, fps, metres_per_unit, up.
+
+    Example: garmentbench import shirt.pc2 --template shirt.obj --body body.pc2 --body-template body.obj --fps 25 --out my.h5
+    Example: garmentbench import 'frames/shirt_*.obj' --body frames/body --units cm --up y --fps 30 --out my.h5
+
+    Attributes:
+        garment: Its file; for OBJ the folder of one file a frame, or a quoted pattern.
+        out: The sequence to write (HDF5).
+        template: OBJ file with the garment's faces, UV and rest shape (needed for PC2 and MDD).
+        body: The body's file, as for the garment; without it the garment moves alone.
+        body_template: OBJ file with the body's faces and rest shape.
+        mesh: Which mesh of a USD or Alembic file is the garment: its path, or the end of it.
+        body_mesh: Which is the body.
+        kind: The body is a human, an object such as a stick, or the garment beneath.
+        units: m, cm, mm, in or ft.
+        up: The axis that points up: x, y, z, or the other way round, e.g. --up=-y.
+        fps: Frames a second.
+        frames: Only the first so many.
+        split: train or test.
+        name: Name of the garment in tables; by default the file's.
+        body_name: Name of the body in tables.
+        make_uv: Make a UV map with xatlas, in place of the file's.
+    """
+
+    garment: Positional[str]
+    out: Path
+    template: Path | None = None
+    body: str = ""
+    body_template: Path | None = None
+    mesh: str = ""
+    body_mesh: str = ""
+    kind: Literal["human", "object", "garment"] = "human"
+    units: str | None = None
+    up: str | None = None
+    fps: float | None = None
+    frames: int | None = None
+    split: Literal["train", "test"] = "train"
+    name: str = ""
+    body_name: str = ""
+    make_uv: bool = False
+
+    def run(self) -> None:
+        from garmentbench.device import one_thread, quiet_warp
+        from garmentbench.importing.meshes.conventions import Given
+        from garmentbench.importing.meshes.importing import Wanted, import_files
+
+        one_thread()
+        quiet_warp()
+        given = Given(self.units, self.up, self.fps)
+        wanted = Wanted(
+            self.out.stem, given, self.split, self.name, self.body_name, self.kind, self.frames, self.make_uv
+        )
+        said = import_files(
+            (self.garment, self.template, self.mesh), (self.body, self.body_template, self.body_mesh), wanted, self.out
+        )
+        print("\n".join(said))
+        print(f"{self.out}: use it as a scene, e.g. garmentbench train skinning --scene {self.out}")
+
+
+@dataclass(frozen=True)
+class Export:
+    """Write a sequence or a roll-out as mesh files, in metres, z up.
+
+    obj: folders garment and body with a file a frame. pc2, mdd: a cache and an OBJ template each. npz: arrays. usd: one file
+    with both meshes and their UV. Only obj rounds, to half a micrometre.
+
+    Example: garmentbench export tshirt-armspace-90 --to usd --out exported
+    Example: garmentbench export evaluate-1f00c0ffee12 --to pc2 --out exported
+
+    Attributes:
+        source: A scene, a sequence file (.h5), or the run of an evaluation: its id or the beginning of it.
+        to: Format.
+        out: Folder to write to.
+        preset: Size of a scene: smoke, laptop or paper.
+        sequence: The sequence file of a run on an imported one.
+        frames: Only the first so many.
+    """
+
+    source: Positional[str]
+    to: Literal["obj", "pc2", "mdd", "npz", "usd"]
+    out: Path
+    preset: str = "laptop"
+    sequence: Path | None = None
+    frames: int | None = None
+
+    def run(self) -> None:
+        from garmentbench.importing.meshes.exporting import export, take
+        from garmentbench.scenes.presets import preset
+
+        taken, said = take(self.source, preset(self.preset), self.sequence, self.frames)
+        print("\n".join([*said, *(str(path) for path in export(taken, self.to, self.out))]))

@@ -1,0 +1,74 @@
+"""The command that makes data."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tyro.conf import Positional
+
+from garmentbench.errors import UsageError, UserError
+
+if TYPE_CHECKING:
+    from garmentbench.scenes.presets import Preset
+
+
+@dataclass(frozen=True)
+class Simulate:
+    """Simulate scenes into reference sequences, several at a time. What is there already, made by the same code, is kept.
+
+    Example: garmentbench simulate tshirt-armspace-75 tshirt-armspace-90 --preset smoke
+    Example: garmentbench simulate "dress-*" split=test --jobs 2
+    Example: garmentbench simulate --all
+
+    Attributes:
+        scenes: Names or patterns of scenes, paths of TOML files, and filters by garment, body, motion or split.
+        all: All scenes there are.
+        jobs: So many at a time; by default one a core.
+        preset: Size: smoke, laptop or paper.
+        device: auto, cpu or cuda.
+    """
+
+    scenes: Positional[tuple[str, ...]] = ()
+    all: bool = False
+    jobs: int | None = None
+    preset: str = "laptop"
+    device: str = "auto"
+
+    def run(self) -> None:
+        from garmentbench.device import choose_device, one_thread, require_device
+        from garmentbench.reference import make_sequence
+        from garmentbench.scenes.choice import choose_scenes
+        from garmentbench.scenes.presets import preset
+        from garmentbench.storage.jobs import worker_count
+
+        size = preset(self.preset)
+        if not self.scenes and not self.all:
+            raise UsageError("simulate: which scene? `garmentbench scenes` lists them; --all simulates them all")
+        if self.jobs is not None and self.jobs < 1:
+            raise UsageError(f"simulate: --jobs is {self.jobs}; wanted at least 1")
+        names = choose_scenes(self.scenes)
+        one_thread()
+        choose_device(self.device)
+        require_device(size)
+        workers = min(len(names), self.jobs or worker_count())
+        made = _in_parallel(names, size, workers) if workers > 1 else [make_sequence(name, size) for name in names]
+        for path in made:
+            print(path)
+
+
+def _in_parallel(names: list[str], size: "Preset", workers: int) -> list[Path]:
+    """The sequences' paths. Raises `UserError` at the end if one could not be made."""
+    from garmentbench.reference import make_sequence
+    from garmentbench.scenes.scene import load_scene
+    from garmentbench.storage.jobs import Failure, Job, run_jobs
+
+    jobs = [
+        Job((name,), f"simulate {name}", make_sequence, arguments=(name, size), cost=load_scene(name).frames)
+        for name in names
+    ]
+    made = run_jobs({job.key: job for job in jobs}, workers)
+    results = [made[job.key] for job in jobs]
+    failed = [result for result in results if isinstance(result, Failure)]
+    if failed:
+        raise UserError(f"{len(failed)} of {len(jobs)} failed, the first: {failed[0].label}: {failed[0].message}")
+    return results

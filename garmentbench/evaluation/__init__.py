@@ -1,0 +1,1 @@
+"""Rolling a method out, scoring it, and checking that it keeps its contract."""

@@ -1,0 +1,1 @@
+"""Other people's files: meshes, motions, and a doctor for meshes. The core never imports this."""

@@ -1,0 +1,67 @@
+"""All checks of a garment, in one go."""
+
+import numpy as np
+
+from garmentbench.importing.mesh_doctor import coincident, connections, flat, penetration, shape, substeps
+from garmentbench.importing.mesh_doctor.finding import Finding, counted
+from garmentbench.importing.mesh_doctor.mesh import Mesh
+from garmentbench.importing.mesh_doctor.topology import borders, components
+from garmentbench.importing.mesh_doctor.wearer import Wearer
+
+
+def examine(mesh: Mesh, wearer: Wearer | None = None) -> list[Finding]:
+    """Everything that is wrong with a garment, errors and warnings; an empty list for a good one.
+
+    What is said of lengths is in metres: where the mesh is plainly in cm or mm, as if it had been converted.
+    `wearer` is the body that it is worn by, where there is one.
+    """
+    broken = shape.not_finite(mesh)
+    if broken:
+        return broken
+    found, known = shape.scale(mesh), shape.unit(mesh.size)
+    metric = mesh.scaled(known[1] if known else 1.0)
+    in_metres = wearer if known else None
+    found += shape.up_axis(metric) + shape.degenerate(metric) + connections.unused(metric)
+    found += connections.repeated_faces(metric)
+    metric = connections.without_doubles(metric)
+    found += connections.non_manifold(metric) + connections.flipped(
+        metric, None if in_metres is None else in_metres.body
+    )
+    found += connections.pieces(metric) + connections.holes(metric) + coincident.coincident_findings(metric)
+    found += substeps.costly(metric, substeps.cost(metric) if known else None)
+    bare = flat.missing(metric)
+    found += bare or flat.outside(metric) + flat.folds(metric) + flat.overlapping(metric)
+    if in_metres is not None:
+        found += penetration.open_body(in_metres) + penetration.penetration(metric, in_metres)
+    return found
+
+
+def examine_template(mesh: Mesh) -> list[Finding]:
+    """What is wrong with a sequence's garment besides what `sequence_checks` finds."""
+    found = connections.repeated_faces(mesh)
+    mesh = connections.without_doubles(mesh)
+    found += connections.flipped(mesh, None) + connections.pieces(mesh)
+    found += connections.holes(mesh) + coincident.coincident_findings(mesh) + substeps.costly(mesh, substeps.cost(mesh))
+    return found + (flat.missing(mesh) or flat.folds(mesh) + flat.overlapping(mesh))
+
+
+def summary(mesh: Mesh) -> str:
+    """What the garment is, in one line: counts, size, openings, charts, substeps."""
+    if shape.not_finite(mesh):
+        return f"{counted(len(mesh.vertices), 'vertex', 'vertices')}, {counted(len(mesh.faces), 'face')}"
+    _, loop = borders(mesh.sides, len(mesh.vertex))
+    whole = components(len(mesh.vertex), mesh.sides.edges)[mesh.corners[:, 0]]
+    low, high = mesh.vertices[mesh.faces].min(axis=(0, 1)), mesh.vertices[mesh.faces].max(axis=(0, 1))
+    parts = [
+        counted(len(mesh.vertices), "vertex", "vertices"),
+        counted(len(mesh.faces), "face"),
+        counted(len(np.unique(whole)), "piece"),
+        counted(int(loop.max(initial=-1)) + 1, "opening"),
+        " x ".join(f"{x:.3g}" for x in high - low),
+    ]
+    if not flat.missing(mesh):
+        parts.append(counted(len(np.unique(flat.charts(mesh))), "UV chart"))
+    found = substeps.cost(mesh) if shape.unit(mesh.size) == ("m", 1.0) else None
+    if found is not None:
+        parts.append(f"{found.substeps} substeps a frame with the default material")
+    return ", ".join(parts)

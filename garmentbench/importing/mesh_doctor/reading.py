@@ -1,0 +1,111 @@
+"""Reading a garment, or a body to check it against, from an OBJ, PLY, .npz or sequence file."""
+
+from pathlib import Path
+
+import numpy as np
+
+from garmentbench import sequence_file
+from garmentbench.errors import UserError
+from garmentbench.geometry.unwrap import in_order
+from garmentbench.importing.mesh_doctor.mesh import Mesh
+from garmentbench.importing.mesh_doctor.ply import read_ply
+from garmentbench.importing.mesh_doctor.shape import unit
+from garmentbench.importing.mesh_doctor.wearer import Wearer, baked, is_baked, of_body
+from garmentbench.importing.meshes import obj
+from garmentbench.importing.meshes.mesh_sequence import MeshSequence
+from garmentbench.importing.meshes.uv_map import split
+from garmentbench.sequence import Body, Garment
+from garmentbench.storage.npz import read_arrays
+
+MESH_FILES = (".obj", ".ply", ".npz")
+_WANTED = "a garment: rest (V, 3) and faces (F, 3), and as far as there are any uv (V, 2), seams (S, 2), pins (P,)"
+_AGAIN = "write it again with numpy.savez_compressed, or export OBJ"
+_SHAPES = {"rest": ("f", (3,)), "faces": ("iu", (3,)), "uv": ("f", (2,)), "seams": ("iu", (2,)), "pins": ("iu", ())}
+
+
+def is_mesh_file(path: Path) -> bool:
+    """Is that a mesh by its name? Anything else is taken for a sequence."""
+    return path.suffix.lower() in MESH_FILES
+
+
+def read_mesh(path: Path) -> Mesh:
+    """The garment of a mesh or sequence file. Raises `UserError`, one line, for what can't be read at all."""
+    kind = path.suffix.lower()
+    if not is_mesh_file(path):
+        return mesh_of(sequence_file.load(path, frames=1).template.garment)
+    if kind == ".npz":
+        return _garment_file(path)
+    return _of_corners(obj.read_template(path) if kind == ".obj" else read_ply(path))
+
+
+def mesh_of(garment: Garment) -> Mesh:
+    """The garment of a sequence."""
+    return Mesh(
+        garment.name,
+        garment.rest.astype(np.float64),
+        garment.faces.astype(np.int64),
+        garment.uv.astype(np.float64),
+        np.arange(len(garment.rest)),
+        garment.seams.astype(np.int64),
+        garment.pins.astype(np.int64),
+        says_seams=True,
+    )
+
+
+def read_wearer(which: str) -> Wearer:
+    """A baked body by its name, or the body of a mesh or sequence file, brought to metres where its unit is clear.
+
+    Raises `UserError` where there is none, or its size is no body's in any unit.
+    """
+    path = Path(which)
+    if is_baked(which) or not (path.suffix or path.exists()):
+        return baked(which)
+    if not is_mesh_file(path):
+        template = sequence_file.load(path, frames=1).template
+        if template.body is None:
+            raise UserError(f"{path}: has no body; name another file, or a baked body such as base")
+        return of_body(template.body)
+    mesh = read_mesh(path)
+    known = unit(mesh.size)
+    if known is None or not np.isfinite(mesh.vertices).all():
+        raise UserError(f"{path}: the body measures {mesh.size:.3g} across, wanted metres; convert it")
+    rest = (mesh.vertices * known[1]).astype(np.float32)
+    return of_body(Body(path.stem, rest, mesh.faces.astype(np.int32)))
+
+
+def _of_corners(read: MeshSequence) -> Mesh:
+    """Vertices keep the file's numbers; copies at UV seams come after them."""
+    count, uv = len(read.still), read.corner_uv
+    vertices, faces = read.still.astype(np.float64), read.faces.astype(np.int64)
+    if uv is None or not np.isfinite(uv).all():
+        return Mesh(read.name, vertices, faces, None if uv is None else np.full((count, 2), np.nan), np.arange(count))
+    cut = in_order(count, *split(read.faces, uv))
+    at = cut.source
+    return Mesh(
+        read.name, vertices[at], cut.faces.astype(np.int64), cut.uv.astype(np.float64), at, cut.seams.astype(np.int64)
+    )
+
+
+def _garment_file(path: Path) -> Mesh:
+    arrays = read_arrays(path, _WANTED, _AGAIN)
+    for name, (kinds, width) in _SHAPES.items():
+        array = arrays.get(name)
+        if array is None and name in ("rest", "faces"):
+            found = ", ".join(sorted(arrays)) or "none"
+            raise UserError(f"{path}: has no array '{name}' (found: {found}), wanted {_WANTED}; {_AGAIN}")
+        if array is not None and (array.dtype.kind not in kinds or array.shape[1:] != width or array.ndim < 1):
+            raise UserError(f"{path}: {name} is {array.dtype} of shape {array.shape}, wanted {_WANTED}; {_AGAIN}")
+    rest, uv = arrays["rest"].astype(np.float64), arrays.get("uv")
+    indices = {n: arrays.get(n, np.zeros((0, *_SHAPES[n][1]))).astype(np.int64) for n in ("faces", "seams", "pins")}
+    for name, array in indices.items():
+        if array.size and not 0 <= array.min() <= array.max() < len(rest):
+            found = f"{name} name vertices from {array.min()} to {array.max()}, there are {len(rest)}"
+            raise UserError(f"{path}: {found}; {_AGAIN}")
+    if not len(indices["faces"]) or (uv is not None and len(uv) != len(rest)):
+        found = "has no faces" if not len(indices["faces"]) else f"uv has {len(uv)} rows, rest has {len(rest)}"
+        raise UserError(f"{path}: {found}, wanted {_WANTED}; {_AGAIN}")
+    notes = {k: str(a) for k, a in arrays.items() if k not in _SHAPES and a.ndim == 0 and a.dtype.kind == "U"}
+    uv = None if uv is None else uv.astype(np.float64)
+    return Mesh(
+        path.stem, rest, indices["faces"], uv, np.arange(len(rest)), indices["seams"], indices["pins"], True, notes
+    )

@@ -1,0 +1,104 @@
+"""Alembic: polygon meshes with their world transforms and UV. It says neither unit nor up axis.
+
+Needs `alembic3d` (the extra `alembic`), PyAlembic as a wheel. Damaged files may crash its library: `apart` calls
+`read_alembic` in a process of its own.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from garmentbench.errors import UserError
+from garmentbench.importing.meshes.choosing import choose
+from garmentbench.importing.meshes.mesh_sequence import MeshSequence, refusal
+from garmentbench.importing.meshes.point_cache import rate_of
+from garmentbench.importing.meshes.polygon_mesh import PolygonFrames, from_polygons
+
+_AGAIN = "export it again, as Ogawa (not HDF5) Alembic"
+
+
+def read_alembic(path: Path, prim: str, role: str) -> MeshSequence | None:
+    """A mesh of an Alembic file, as `apart.read_apart`, which is the safe way to call it."""
+    try:
+        from alembic3d import Abc
+    except ImportError as e:
+        do = "pip install 'garmentbench[alembic]', or export PC2, OBJ or USD instead"
+        raise UserError(f"Alembic needs the package alembic3d; {do}") from e
+    try:
+        archive = Abc.IArchive(str(path))
+        meshes = dict(_meshes(archive.getTop(), ()))
+        name = choose(path, list(meshes), prim, role)
+        return None if name is None else _mesh(path, name, meshes[name])
+    except (RuntimeError, ValueError, IndexError) as e:  # what Boost.Python makes of Alembic's exceptions
+        reason = (str(e).strip() or type(e).__name__).splitlines()[-1]
+        raise refusal(path, f"damaged, or no Alembic file ({reason[:120]})", _AGAIN) from e
+
+
+def _meshes(holder: Any, above: tuple) -> Iterator[tuple[str, tuple]]:
+    """Names of all polygon meshes, each with its schema and the transforms above it, outermost first."""
+    from alembic3d import Abc, AbcGeom
+
+    for header in holder.children:
+        name, kind = header.getName(), header.getMetaData()
+        child, transforms = Abc.IObject(holder, name), above
+        if AbcGeom.IPolyMesh.matches(kind):
+            yield child.getFullName(), (AbcGeom.IPolyMesh(holder, name).getSchema(), above)
+        if AbcGeom.IXform.matches(kind):
+            transforms = (*above, AbcGeom.IXform(holder, name).getSchema())
+        yield from _meshes(child, transforms)
+
+
+def _mesh(path: Path, name: str, found: tuple) -> MeshSequence:
+    schema, transforms = found
+    counts = _constant(path, schema.getFaceCountsProperty())
+    corners = _constant(path, schema.getFaceIndicesProperty())
+    sampling = max((schema, *transforms), key=lambda s: s.getNumSamples())
+    length = sampling.getNumSamples()
+    times = np.array([sampling.getTimeSampling().getSampleTime(t) for t in range(length)])
+    polygons = PolygonFrames(
+        path,
+        name.rsplit("/", 1)[-1],
+        counts,
+        corners,
+        length,
+        lambda t: _points(schema, transforms, float(times[t])),
+        _corner_uv(schema, corners),
+        clockwise=True,
+    )
+    return from_polygons(polygons, fps=rate_of(path, times), unit=None, up=None)
+
+
+def _points(schema: Any, transforms: tuple, time: float) -> np.ndarray:
+    """World positions at a time [s], shape (V, 3)."""
+    from alembic3d import Abc
+
+    at = Abc.ISampleSelector(time)
+    points = np.array(schema.getValue(at).getPositions(), np.float32).reshape(-1, 3)
+    matrix = np.eye(4)
+    for transform in transforms:  # outermost first; rows are images: x M
+        matrix = np.array(transform.getValue(at).getMatrix(), np.float64).reshape(4, 4) @ matrix
+    if np.array_equal(matrix, np.eye(4)):
+        return points
+    return (points.astype(np.float64) @ matrix[:3, :3] + matrix[3, :3]).astype(np.float32)
+
+
+def _constant(path: Path, attribute: Any) -> np.ndarray:
+    first = np.array(attribute.samples[0], np.int64)
+    if not attribute.isConstant():
+        for k, value in enumerate(attribute.samples):
+            if not np.array_equal(np.array(value, np.int64), first):
+                found = f"{attribute.getName()} changes at its sample {k}, wanted one mesh in all frames"
+                raise refusal(path, found, "export the mesh without remeshing")
+    return first
+
+
+def _corner_uv(schema: Any, corners: np.ndarray) -> np.ndarray | None:
+    parameter = schema.getUVsParam()
+    if not parameter.valid():
+        return None
+    values = np.array(parameter.getExpandedValue().getVals(), np.float32).reshape(-1, 2)
+    if len(values) == len(corners):
+        return values
+    return values[corners] if len(corners) and corners.max() < len(values) else None

@@ -1,0 +1,143 @@
+"""Plain arrays by name, in a NumPy .npz or in anybody's HDF5 file (which may be written by h5py, MATLAB or Julia).
+
+positions (or vertices)   shape (T, V, 3)
+faces (or triangles)      shape (F, 3), counted from 0
+uv                        shape (V, 2), or (F, 3, 2) by corner; optional
+rest                      shape (V, 3); optional
+pins                      shape (P,), vertices held fast to the body; optional
+fps, metres_per_unit, up  numbers, and "x", "y" or "z" (in HDF5 of fixed length, e.g. numpy.bytes_("z")); optional
+"""
+
+import zipfile
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from garmentbench.importing.meshes.mesh_sequence import MeshSequence, checked_faces, refusal, size_of
+from garmentbench.storage import hdf5
+from garmentbench.storage.atomic import written_whole
+from garmentbench.storage.npz import DAMAGED, read_array
+
+_ALIASES = {"vertices": "positions", "triangles": "faces"}
+_SHAPES = {"positions": (None, None, 3), "faces": (None, 3), "rest": (None, 3), "pins": (None,)}
+_KNOWN = frozenset({*_SHAPES, *_ALIASES, "uv", "fps", "metres_per_unit", "up"})
+_AGAIN = "write it again; garmentbench import --help names the arrays"
+
+
+def read_npz(path: Path) -> MeshSequence:
+    """An .npz file. Raises `UserError`, one line, for what is damaged, or lacks or has other arrays than these."""
+    size = size_of(path, "an .npz file")
+    arrays = {}
+    try:
+        with zipfile.ZipFile(path) as archive:
+            for member in archive.infolist():
+                name = member.filename.removesuffix(".npy")
+                if name in _KNOWN:
+                    arrays[_ALIASES.get(name, name)] = read_array(archive, member, size)
+    except DAMAGED as e:
+        raise refusal(path, f"damaged, or no .npz file ({hdf5.reason(e)})", _AGAIN) from e
+    return _mesh(path, arrays)
+
+
+def read_hdf5(path: Path) -> MeshSequence:
+    """An HDF5 file with these datasets at its root. Raises as `read_npz`.
+
+    Old HDF5 has no checksums, and a damaged file may hang the library: `apart.read_apart` is the safe way to call it.
+    """
+    size_of(path, "an HDF5 file")
+    arrays = {}
+    try:
+        with h5py.File(path, "r", locking=False) as file:
+            for name in sorted(_KNOWN & set(file)):
+                arrays[_ALIASES.get(name, name)] = np.asarray(hdf5.dataset(file, name)[()])
+    except (*hdf5.DAMAGED, TypeError) as e:
+        raise refusal(path, f"damaged, or no HDF5 file of a mesh ({hdf5.reason(e)})", _AGAIN) from e
+    return _mesh(path, arrays)
+
+
+def write_npz(path: Path, mesh: MeshSequence) -> None:
+    """All arrays as they are, in metres, z up. Raises `UserError` when it can't be written."""
+    arrays = {
+        "positions": mesh.frames,
+        "faces": mesh.faces,
+        "rest": mesh.still,
+        "pins": mesh.pins,
+        "fps": mesh.fps,
+        "metres_per_unit": 1.0,
+        "up": "z",
+    }
+    if mesh.corner_uv is not None:
+        arrays["uv"] = mesh.corner_uv
+    with written_whole(path) as partial, partial.open("wb") as file:
+        np.savez(file, **arrays)
+
+
+def _mesh(path: Path, arrays: dict[str, np.ndarray]) -> MeshSequence:
+    for name in ("positions", "faces"):
+        if name not in arrays:
+            others = ", ".join(sorted(arrays)) or "none of the known ones"
+            raise refusal(path, f"has no array '{name}' (found: {others})", _AGAIN)
+    for name, shape in _SHAPES.items():
+        if name in arrays:
+            _check(path, name, arrays[name], shape)
+    vertices = arrays["positions"].shape[1]
+    if "rest" in arrays and len(arrays["rest"]) != vertices:
+        raise refusal(path, f"rest has {len(arrays['rest'])} vertices, positions have {vertices}", _AGAIN)
+    faces = checked_faces(path, arrays["faces"].astype(np.int64), vertices)
+    pins = arrays.get("pins", np.zeros(0)).astype(np.int32)
+    if pins.size and not (0 <= pins.min() and pins.max() < vertices):
+        raise refusal(path, f"pins name vertices up to {pins.max()}, there are {vertices}", _AGAIN)
+    rest = arrays["rest"].astype(np.float32) if "rest" in arrays else None
+    return MeshSequence(
+        path.stem,
+        arrays["positions"],
+        faces,
+        _corner_uv(path, arrays.get("uv"), faces, vertices),
+        rest,
+        _number(path, arrays, "fps"),
+        _number(path, arrays, "metres_per_unit"),
+        _up(path, arrays),
+        pins,
+        files=(path,),
+    )
+
+
+def _check(path: Path, name: str, array: np.ndarray, shape: tuple[int | None, ...]) -> None:
+    kinds = "iu" if name in ("faces", "pins") else "f"
+    if name == "pins" and array.size == 0:
+        return
+    fits = array.ndim == len(shape) and all(w in (None, n) for w, n in zip(shape, array.shape))
+    if not fits or array.dtype.kind not in kinds or array.size == 0:
+        wanted = (
+            f"{'whole numbers' if kinds == 'iu' else 'floats'} of shape ({', '.join(str(w or 'n') for w in shape)})"
+        )
+        raise refusal(path, f"{name} is {array.dtype} of shape {array.shape}, wanted {wanted}", _AGAIN)
+
+
+def _corner_uv(path: Path, uv: np.ndarray | None, faces: np.ndarray, vertices: int) -> np.ndarray | None:
+    if uv is None:
+        return None
+    if uv.dtype.kind != "f" or uv.shape not in ((vertices, 2), (*faces.shape, 2)):
+        wanted = f"floats of shape ({vertices}, 2) or ({len(faces)}, 3, 2)"
+        raise refusal(path, f"uv is {uv.dtype} of shape {uv.shape}, wanted {wanted}", _AGAIN)
+    return (uv if uv.ndim == 3 else uv[faces]).astype(np.float32)
+
+
+def _number(path: Path, arrays: dict[str, np.ndarray], name: str) -> float | None:
+    if name not in arrays:
+        return None
+    value = arrays[name]
+    if value.size != 1 or value.dtype.kind not in "iuf" or not 0 < float(value.ravel()[0]) < 1e6:
+        raise refusal(path, f"{name} is {str(value)[:40]}, wanted one number above 0", _AGAIN)
+    return float(value.ravel()[0])
+
+
+def _up(path: Path, arrays: dict[str, np.ndarray]) -> str | None:
+    if "up" not in arrays:
+        return None
+    value = arrays["up"].ravel()[0] if arrays["up"].size == 1 else arrays["up"]
+    up = value.decode(errors="replace") if isinstance(value, bytes) else str(value)
+    if up not in ("x", "y", "z"):
+        raise refusal(path, f"up is '{up[:20]}', wanted x, y or z", _AGAIN)
+    return up

@@ -1,0 +1,145 @@
+"""Units, up axis and frame rate: as given, else as the file says, else worked out from the body; refused where unclear."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from garmentbench.errors import UsageError, UserError
+from garmentbench.importing.meshes.mesh_sequence import MeshSequence
+
+UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
+AXES = {  # new x, y, z as signed axes of the file's (1 is x); all are turns, no mirror images
+    "z": (1, 2, 3),
+    "y": (1, -3, 2),
+    "x": (2, 3, 1),
+    "-z": (1, -2, -3),
+    "-y": (1, 3, -2),
+    "-x": (3, 2, -1),
+}
+HEIGHTS = 1.0, 2.4  # of a standing human body [m]
+SPANS = 0.4, 2.8  # diagonal of a garment's bounding box [m]
+_STANDS = 0.05  # a body's lowest point is this near to 0, relative to its height
+
+
+@dataclass(frozen=True)
+class Given:
+    """What the user says.
+
+    Attributes:
+        units: A key of `UNITS`, or None.
+        up: A key of `AXES`, or None.
+        fps: Frames a second, or None.
+    """
+
+    units: str | None = None
+    up: str | None = None
+    fps: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.units not in (None, *UNITS):
+            raise UsageError(f"--units is '{self.units}'; wanted {', '.join(UNITS)}")
+        if self.up not in (None, *AXES):
+            raise UsageError(f"--up is '{self.up}'; wanted {', '.join(AXES)}")
+        if self.fps is not None and not 1 <= self.fps <= 1000:
+            raise UsageError(f"--fps is {self.fps:g}; wanted 1 to 1000 frames a second")
+
+
+@dataclass(frozen=True)
+class Conventions:
+    """What positions mean.
+
+    Attributes:
+        unit: Metres in the garment's unit, and in the body's (files may differ only where they say so themselves).
+        up: A key of `AXES`, for the garment and for the body.
+        fps: Frames a second.
+        said: One line each on units, up and fps.
+    """
+
+    unit: tuple[float, float]
+    up: tuple[str, str]
+    fps: float
+    said: tuple[str, str, str]
+
+
+def find_conventions(garment: MeshSequence, body: MeshSequence | None, given: Given, human: bool = True) -> Conventions:
+    """Settle them for both meshes. Raises `UserError`, with advice, where something can't be told."""
+    other = garment if body is None else body
+    person = body if human else None
+    up, said_up = _settle("up", given.up, garment.up, other.up, lambda: _guess_up(person))
+    units, said_units = _settle(
+        "units",
+        given.units and UNITS[given.units],
+        garment.unit,
+        other.unit,
+        lambda: _guess_unit(garment, person, up[1]),
+    )
+    fps, said_fps = _settle("fps", given.fps, garment.fps, other.fps, _no_rate)
+    if fps[0] != fps[1] and min(len(garment.frames), len(other.frames)) > 1:
+        raise UserError(
+            f"the garment has {fps[0]:g} frames a second, the body {fps[1]:g}; "
+            "export both at the same rate, or give --fps if one of the files is wrong"
+        )
+    return Conventions(units, up, fps[0], (said_units, said_up, said_fps))
+
+
+def converter(unit: float, up: str) -> np.ndarray:
+    """Matrix M, shape (3, 3), float64: metres, z up = M x."""
+    matrix = np.zeros((3, 3))
+    for row, axis in enumerate(AXES[up]):
+        matrix[row, abs(axis) - 1] = np.sign(axis) * unit
+    return matrix
+
+
+def unit_name(unit: float) -> str:
+    """ "cm" for 0.01; a unit without a name in metres."""
+    return next((name for name, size in UNITS.items() if abs(size / unit - 1) < 1e-6), f"{unit:g} m")
+
+
+def _settle(name: str, given: object, garment: object, body: object, guess: object) -> tuple[tuple, str]:
+    """The value for garment and body, and a line about it."""
+    show = unit_name if name == "units" else lambda v: f"{v:g}" if isinstance(v, float) else v
+    if given is not None:
+        return (given, given), f"{name}: {show(given)} (given)"
+    known = garment if garment is not None else body, body if body is not None else garment
+    if known[0] is not None:
+        both = show(known[0]) if known[0] == known[1] else f"{show(known[0])}, of the body {show(known[1])}"
+        return known, f"{name}: {both} (as the file says)"
+    value, why = guess()
+    return (value, value), f"{name}: {show(value)} (inferred: {why})"
+
+
+def _guess_up(body: MeshSequence | None) -> tuple[str, str]:
+    """The axis along which a body is long; of two, as in a T-pose, the one along which it stands at 0."""
+    do = "give --up y (Maya, most films) or --up z (Blender, 3ds Max)"
+    if body is None:
+        raise UserError(f"up axis: can't be told without a human body; {do}")
+    first = np.asarray(body.frames[0], np.float64)
+    low, size = first.min(axis=0), np.ptp(first, axis=0)
+    long = np.flatnonzero(size >= 0.85 * size.max())
+    standing = [axis for axis in long if abs(low[axis]) <= _STANDS * size[axis]]
+    names, extents = "xyz", " x ".join(f"{s:.3g}" for s in size)
+    if len(long) == 1:
+        return names[long[0]], f"the body measures {extents}"
+    if len(standing) == 1:
+        return names[standing[0]], f"the body measures {extents} and stands at 0 along {names[standing[0]]}"
+    raise UserError(f"up axis: can't be told from a body of {extents}; {do}")
+
+
+def _guess_unit(garment: MeshSequence, body: MeshSequence | None, up: str) -> tuple[float, str]:
+    if body is not None:
+        axis = abs(AXES[up][2]) - 1
+        size = float(np.ptp(np.asarray(body.still, np.float64)[:, axis]))
+        moving = float(np.ptp(np.asarray(body.frames[0], np.float64)[:, axis]))
+        what, (low, high), known = "body height", HEIGHTS, UNITS
+        size = size if size > 0.5 * moving else moving  # a template that lies on its back
+    else:
+        size = float(np.linalg.norm(np.ptp(np.asarray(garment.still, np.float64), axis=0)))
+        what, (low, high), known = "the garment's diagonal", SPANS, {k: UNITS[k] for k in ("m", "cm", "mm")}
+    fits = [unit for unit in known.values() if low <= size * unit <= high]
+    if len(fits) != 1:
+        raise UserError(f"units: can't be told from {what} {size:.4g}; give --units ({', '.join(UNITS)})")
+    return fits[0], f"{what} {size:.4g}"
+
+
+def _no_rate() -> tuple[float, str]:
+    raise UserError("fps: the files don't say how many frames a second they have; give --fps, e.g. --fps 30")

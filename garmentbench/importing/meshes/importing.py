@@ -1,0 +1,194 @@
+"""Import: mesh sequences of a garment and a body become a `Sequence`, and all that was settled on the way is said."""
+
+import hashlib
+from dataclasses import dataclass, replace
+from mmap import ACCESS_READ, mmap
+from pathlib import Path
+
+import numpy as np
+
+from garmentbench import sequence_file
+from garmentbench.errors import UsageError, UserError
+from garmentbench.importing.meshes.conventions import Conventions, Given, find_conventions, unit_name
+from garmentbench.importing.meshes.mesh_sequence import MeshSequence, refusal
+from garmentbench.importing.meshes.placing import outward, placed_frames, placed_rest
+from garmentbench.importing.meshes.reading import HDF5, Place, read_both
+from garmentbench.importing.meshes.seams import seam_pairs
+from garmentbench.importing.meshes.uv_map import vertex_uv
+from garmentbench.reference import IDENTITY, own_interpenetration
+from garmentbench.sequence import GARMENT, HUMAN, Body, Garment, Sequence, Template
+
+_HIGHEST, _LOWEST = 3.0, 0.5  # of a human body [m], by the units that a file states
+_APART = 0.3  # [m] between the bounding boxes of garment and body in frame 0
+_MEASURED = 400_000  # vertices, over all frames, whose depth is measured: a few seconds
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """How a recording is to be imported.
+
+    Attributes:
+        scene: What it is called in tables.
+        given: Units, up axis and frame rate, as far as the user says them.
+        split: "train" or "test".
+        garment, body: Names; by default the meshes' own.
+        kind: The body is a "human", an "object", or the "garment" beneath.
+        frames: Only the first so many; None for all.
+        make_uv: Make a new UV map with xatlas.
+    """
+
+    scene: str
+    given: Given = Given()
+    split: str = "train"
+    garment: str = ""
+    body: str = ""
+    kind: str = HUMAN
+    frames: int | None = None
+    make_uv: bool = False
+
+
+def import_files(garment: Place, body: Place, wanted: Wanted, out: Path) -> list[str]:
+    """Read files, write the sequence, and give the lines to be said. An empty body file's name means no body.
+
+    A sequence file of our own is taken as it is: only its frames, split and names change. Raises `UserError` as
+    `read_meshes`, `import_meshes` and `sequence_file.save`.
+    """
+    own = _own_sequence(garment[0])
+    if own is not None:
+        sequence, said = _renamed(own, body, wanted)
+    else:
+        sequence, said = import_meshes(*read_both(garment, body), wanted)
+    if sequence.template.needs.interpenetration and "interpenetration" not in sequence.info:
+        sequence = measured(sequence)
+        percent = sequence.info["interpenetration"]["strict_percent"]
+        said.append(f"interpenetration: {percent:.3g} % of the garment's vertices lie inside the body")
+    sequence_file.save(sequence, out)
+    return said
+
+
+def _own_sequence(source: str) -> Sequence | None:
+    """The sequence of a sequence file; None for what is none."""
+    path = Path(source)
+    if path.suffix.lower() not in HDF5 or not path.is_file() or path.stat().st_size == 0:
+        return None
+    with path.open("rb") as file, mmap(file.fileno(), 0, access=ACCESS_READ) as content:
+        ours = content.find(b"garmentbench sequence") >= 0  # HDF5 of unknown origin is not opened in this process
+    return sequence_file.load(path) if ours else None
+
+
+def _renamed(sequence: Sequence, body: Place, wanted: Wanted) -> tuple[Sequence, list[str]]:
+    template, given = sequence.template, wanted.given
+    if body[0] or wanted.make_uv or (given.units, given.up, given.fps) != (None, None, None):
+        raise UsageError(
+            "import: a garmentbench sequence says all of itself; only --frames, --split and names go with it"
+        )
+    count = _frame_count(len(sequence), None, wanted.frames)
+    garment = replace(template.garment, name=wanted.garment or template.garment.name)
+    worn = None if template.body is None else replace(template.body, name=wanted.body or template.body.name)
+    info = sequence.info | {"scene": wanted.scene, "split": wanted.split}
+    info.pop(IDENTITY, None)  # it is no longer what a scene was simulated into
+    renamed = replace(sequence.frames(0, count), template=replace(template, garment=garment, body=worn), info=info)
+    return renamed, [
+        f"a garmentbench sequence, taken as it is: {count} frames, {template.fps:g} a second, metres, z up"
+    ]
+
+
+def measured(sequence: Sequence) -> Sequence:
+    """With its own interpenetration noted, measured on so many of its frames, evenly spaced, as `_MEASURED` allows."""
+    frames = min(len(sequence), max(1, _MEASURED // sequence.garment.shape[1]))
+    chosen = np.linspace(0, len(sequence) - 1, frames).round().astype(int)
+    some = replace(sequence, garment=sequence.garment[chosen], body=sequence.body[chosen])
+    noted = own_interpenetration(some) | {"frames": len(chosen)}
+    return replace(sequence, info=sequence.info | {"interpenetration": noted})
+
+
+def import_meshes(garment: MeshSequence, body: MeshSequence | None, wanted: Wanted) -> tuple[Sequence, list[str]]:
+    """The sequence, and lines on what was settled (units, axes, rate, UV, cuts).
+
+    Raises `UserError`, one line with advice, for what can't be told, doesn't fit together, or is no number.
+    """
+    found = find_conventions(garment, body, wanted.given, wanted.kind == HUMAN)
+    count = _frame_count(len(garment.frames), None if body is None else len(body.frames), wanted.frames)
+    mesh = vertex_uv(garment, wanted.make_uv)
+    said = [*found.said, *_told(garment), *(f"garment: {note}" for note in mesh.notes)]
+    frames = placed_frames(garment, mesh.origin, found.unit[0], found.up[0], count)
+    rest, turned = placed_rest(garment, mesh.origin, found.unit[0], found.up[0], frames[0])
+    seams = seam_pairs(mesh.origin, mesh.faces, rest, frames)
+    pins = np.flatnonzero(np.isin(mesh.origin, garment.pins)).astype(np.int32)
+    cloth = Garment(wanted.garment or garment.name, rest, mesh.faces, mesh.uv, seams, pins)
+    said += [f"seams: {len(seams)} pairs of vertices are the same point of cloth", *([turned] if turned else [])]
+    template, moving = None, None
+    if body is not None:
+        template, moving, lines = _body(body, found, wanted, count)
+        said += lines + _far(frames[0], moving[0])
+    info = {"scene": wanted.scene, "split": wanted.split, "motion": "imported"}
+    info["imported"] = _provenance(garment, body, found, list(said))
+    return Sequence(Template(cloth, template, found.fps), frames, moving, info), said
+
+
+def _body(body: MeshSequence, found: Conventions, wanted: Wanted, count: int) -> tuple[Body, np.ndarray, list[str]]:
+    unit, up = found.unit[1], found.up[1]
+    moving = placed_frames(body, slice(None), unit, up, count)
+    rest, turned = placed_rest(body, slice(None), unit, up, moving[0])
+    height = float(np.ptp(rest, axis=0).max())
+    if wanted.kind == HUMAN and wanted.given.units is None and not _LOWEST <= height <= _HIGHEST:
+        what = (
+            f"the body measures {height:.3g} m when its unit is {unit_name(unit)}, wanted {_LOWEST:g} to {_HIGHEST:g} m"
+        )
+        raise refusal(body.where, what, "give --units, or --kind object if it is no human")
+    faces, flipped = (body.faces, False) if wanted.kind == GARMENT else outward(body.faces, rest)
+    said = [
+        *_told(body),
+        *([turned] if turned else []),
+        *(["faces of the body pointed inwards: turned"] if flipped else []),
+    ]
+    if len(body.frames) == 1 and count > 1:
+        said.append("the body has one frame: it stands still")
+    return Body(wanted.body or body.name, rest, faces, kind=wanted.kind), moving, said
+
+
+def _frame_count(garment: int, body: int | None, asked: int | None) -> int:
+    """How many frames are taken, of so many of the garment and of the body (1: it stands still; None: there is none)."""
+    if asked is not None and not 1 <= asked <= garment:
+        raise UsageError(f"--frames is {asked}; the garment has {garment}")
+    if body in (None, 1, garment) or (asked is not None and asked <= body):
+        return asked or garment
+    raise UserError(
+        f"the garment has {garment} frames, the body {body}; export the same frames of both, or give "
+        f"--frames {min(garment, body)} where both begin at the same time"
+    )
+
+
+def _told(mesh: MeshSequence) -> list[str]:
+    told = [f"{mesh.name}: {note}" for note in mesh.notes]
+    return told + ([f"{mesh.name}: its first frame is its rest shape"] if mesh.rest is None else [])
+
+
+def _far(garment: np.ndarray, body: np.ndarray) -> list[str]:
+    gap = np.maximum(garment.min(axis=0) - body.max(axis=0), body.min(axis=0) - garment.max(axis=0)).max()
+    return [f"warning: the garment is {gap:.2g} m away from the body in frame 0: same origin?"] if gap > _APART else []
+
+
+def _provenance(garment: MeshSequence, body: MeshSequence | None, found: Conventions, said: list[str]) -> dict:
+    """Plain JSON: what was read (names and SHA-256 only, no folders of this machine), and what was settled."""
+    meshes = {"garment": garment} | ({} if body is None else {"body": body})
+    return {
+        "files": {
+            name: {"first": mesh.files[0].name, "count": len(mesh.files), "sha256": hash_of(mesh.files)}
+            for name, mesh in meshes.items()
+            if mesh.files
+        },
+        "units": [unit_name(u) for u in found.unit],
+        "up": list(found.up),
+        "said": said,
+    }
+
+
+def hash_of(files: tuple[Path, ...]) -> str:
+    """SHA-256 of files' bytes, one after another."""
+    digest = hashlib.sha256()
+    for file in files:
+        with file.open("rb") as f:
+            while block := f.read(1 << 20):
+                digest.update(block)
+    return digest.hexdigest()

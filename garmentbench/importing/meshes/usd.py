@@ -1,0 +1,185 @@
+"""USD: time-sampled points of polygon meshes, with their world transforms, UV (primvar st), unit, up axis and rate.
+
+Needs `usd-core` (the extra `usd`). Damaged files may crash its library: `apart` calls `read_usd` in a process of its own.
+"""
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from garmentbench.errors import UserError
+from garmentbench.importing.meshes.choosing import choose
+from garmentbench.importing.meshes.mesh_sequence import MeshSequence, refusal
+from garmentbench.importing.meshes.point_cache import rate_of
+from garmentbench.importing.meshes.polygon_mesh import PolygonFrames, from_polygons
+from garmentbench.storage.atomic import written_whole
+
+if TYPE_CHECKING:
+    from pxr import Usd, UsdGeom, Vt
+
+_AGAIN = "export it again"
+_UV_NAMES = ("st", "uv", "UVMap", "st0", "map1")
+
+
+def read_usd(path: Path, prim: str, role: str) -> MeshSequence | None:
+    """A mesh of a USD file, as `apart.read_apart`, which is the safe way to call it."""
+    Usd, UsdGeom, Tf = _packages()
+    try:
+        stage = Usd.Stage.Open(str(path))
+        meshes = {str(p.GetPath()): UsdGeom.Mesh(p) for p in stage.Traverse() if p.IsA(UsdGeom.Mesh)}
+        name = choose(path, list(meshes), prim, role)
+        return None if name is None else _mesh(path, stage, meshes[name])
+    except Tf.ErrorException as e:
+        raise refusal(path, f"damaged, or no USD file ({_reason(e)})", _AGAIN) from e
+
+
+def write_usd(path: Path, meshes: list[MeshSequence]) -> None:
+    """Meshes in metres, z up, with the frame rate of the first, a time code a frame from 1 on; .usdc or .usda.
+
+    Each has its rest shape as primvar "rest". Raises `UserError` when it can't be written, or usd-core is missing.
+    """
+    Usd, UsdGeom, Tf = _packages()
+    stage = Usd.Stage.CreateInMemory()
+    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
+    stage.SetTimeCodesPerSecond(meshes[0].fps)
+    stage.SetFramesPerSecond(meshes[0].fps)
+    stage.SetStartTimeCode(1)
+    stage.SetEndTimeCode(len(meshes[0].frames))
+    stage.SetDefaultPrim(UsdGeom.Xform.Define(stage, "/garmentbench").GetPrim())
+    for mesh in meshes:
+        _define(stage, mesh)
+    beside = path.with_name(f"{path.stem}.partial{path.suffix}")  # the ending decides the format
+    try:
+        with written_whole(path) as partial:
+            if not stage.GetRootLayer().Export(str(beside)):
+                raise OSError("usd-core could not write it")
+            os.replace(beside, partial)
+    except Tf.ErrorException as e:
+        raise UserError(f"{path}: can't be written ({_reason(e)}); free some space there or use another disk") from e
+    finally:
+        beside.unlink(missing_ok=True)
+
+
+def _packages() -> tuple:
+    try:
+        from pxr import Tf, Usd, UsdGeom
+    except ImportError as e:
+        raise UserError(
+            "USD needs the package usd-core; pip install 'garmentbench[usd]', or use PC2, OBJ or npz"
+        ) from e
+    return Usd, UsdGeom, Tf
+
+
+def _reason(error: Exception) -> str:
+    """The first of the messages in one of USD's exceptions, without the places in its own code."""
+    return str(error).strip().splitlines()[0].split(" : '", 1)[-1].rstrip("'")[:120]
+
+
+def _mesh(path: Path, stage: "Usd.Stage", mesh: "UsdGeom.Mesh") -> MeshSequence:
+    from pxr import UsdGeom
+
+    prim = mesh.GetPrim()
+    codes = _time_codes(mesh)
+    per_second = stage.GetTimeCodesPerSecond()
+    if not 0 < per_second < 1e6:
+        raise refusal(path, f"timeCodesPerSecond is {per_second:g}, wanted above 0", _AGAIN)
+    counts = _constant(path, mesh.GetFaceVertexCountsAttr(), codes)
+    indices = _constant(path, mesh.GetFaceVertexIndicesAttr(), codes)
+    polygons = PolygonFrames(
+        path,
+        prim.GetName(),
+        counts,
+        indices,
+        len(codes),
+        lambda t: _world(mesh, codes[t], mesh.GetPointsAttr().Get(codes[t])),
+        _corner_uv(mesh, codes[0], indices),
+        mesh.GetOrientationAttr().Get() == UsdGeom.Tokens.leftHanded,
+        _rest(mesh, codes[0]),
+    )
+    return from_polygons(
+        polygons,
+        fps=rate_of(path, np.array(codes) / per_second) if len(codes) > 1 else None,
+        unit=UsdGeom.GetStageMetersPerUnit(stage) if UsdGeom.StageHasAuthoredMetersPerUnit(stage) else None,
+        up=str(UsdGeom.GetStageUpAxis(stage)).lower() if stage.HasAuthoredMetadata("upAxis") else None,
+    )
+
+
+def _time_codes(mesh: "UsdGeom.Mesh") -> list:
+    """Of the points and of all transforms above them; the default time where nothing moves."""
+    from pxr import Usd, UsdGeom
+
+    codes = set(mesh.GetPointsAttr().GetTimeSamples())
+    prim = mesh.GetPrim()
+    while prim and not prim.IsPseudoRoot():
+        codes |= set(UsdGeom.Xformable(prim).GetTimeSamples()) if prim.IsA(UsdGeom.Xformable) else set()
+        prim = prim.GetParent()
+    return sorted(codes) or [Usd.TimeCode.Default()]
+
+
+def _world(mesh: "UsdGeom.Mesh", code: "Usd.TimeCode | float", local: "Vt.Vec3fArray | None") -> np.ndarray:
+    """World positions, shape (V, 3), of local ones."""
+    points = np.zeros((0, 3), np.float32) if local is None else np.array(local, np.float32).reshape(-1, 3)
+    matrix = np.array(mesh.ComputeLocalToWorldTransform(code))  # rows are images: x M
+    if np.array_equal(matrix, np.eye(4)):
+        return points
+    return (points.astype(np.float64) @ matrix[:3, :3] + matrix[3, :3]).astype(np.float32)
+
+
+def _constant(path: Path, attribute: "Usd.Attribute", codes: list) -> np.ndarray:
+    values = [np.array(attribute.Get(code) or [], np.int64) for code in (attribute.GetTimeSamples() or codes[:1])]
+    for k, value in enumerate(values):
+        if not np.array_equal(value, values[0]):
+            raise refusal(
+                path,
+                f"{attribute.GetName()} changes at its sample {k}, wanted one mesh in all frames",
+                "export the mesh without remeshing",
+            )
+    return values[0]
+
+
+def _corner_uv(mesh: "UsdGeom.Mesh", code: "Usd.TimeCode | float", indices: np.ndarray) -> np.ndarray | None:
+    from pxr import Sdf, UsdGeom
+
+    kinds = (Sdf.ValueTypeNames.TexCoord2fArray, Sdf.ValueTypeNames.Float2Array)
+    found = {p.GetPrimvarName(): p for p in UsdGeom.PrimvarsAPI(mesh).GetPrimvars() if p.GetTypeName() in kinds}
+    named = [found[n] for n in _UV_NAMES if n in found] or list(found.values())
+    if not named:
+        return None
+    values = np.array(named[0].ComputeFlattened(code) or [], np.float32).reshape(-1, 2)
+    if named[0].GetInterpolation() in (UsdGeom.Tokens.vertex, UsdGeom.Tokens.varying):
+        return values[indices] if len(indices) and 0 <= indices.min() and indices.max() < len(values) else None
+    return values if len(values) == len(indices) else None
+
+
+def _rest(mesh: "UsdGeom.Mesh", code: "Usd.TimeCode | float") -> np.ndarray | None:
+    from pxr import UsdGeom
+
+    primvar = UsdGeom.PrimvarsAPI(mesh).GetPrimvar("rest")
+    return _world(mesh, code, primvar.Get()) if primvar.HasValue() else None
+
+
+def _define(stage: "Usd.Stage", mesh: MeshSequence) -> None:
+    from pxr import Sdf, UsdGeom, Vt
+
+    prim = UsdGeom.Mesh.Define(stage, f"/garmentbench/{mesh.name}")
+    prim.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
+    prim.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(np.full(len(mesh.faces), 3, np.int32)))
+    prim.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(mesh.faces.ravel().astype(np.int32)))
+    primvars, names = UsdGeom.PrimvarsAPI(prim), Sdf.ValueTypeNames
+    primvars.CreatePrimvar("rest", names.Point3fArray, UsdGeom.Tokens.vertex).Set(_vec3(mesh.still))
+    if mesh.corner_uv is not None:
+        uv = Vt.Vec2fArray.FromNumpy(np.ascontiguousarray(mesh.corner_uv.reshape(-1, 2), np.float32))
+        primvars.CreatePrimvar("st", names.TexCoord2fArray, UsdGeom.Tokens.faceVarying).Set(uv)
+    points, extent = prim.CreatePointsAttr(), prim.CreateExtentAttr()
+    for t, frame in enumerate(mesh.frames, start=1):
+        points.Set(_vec3(frame), t)
+        extent.Set(_vec3(np.stack([frame.min(axis=0), frame.max(axis=0)])), t)
+
+
+def _vec3(positions: np.ndarray) -> "Vt.Vec3fArray":
+    from pxr import Vt
+
+    return Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(positions, np.float32))

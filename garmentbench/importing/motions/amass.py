@@ -1,0 +1,86 @@
+"""AMASS-style npz files: SMPL or SMPL-X poses. Read as a skeleton, which needs neither SMPL's code nor its model files.
+
+`poses` holds, a frame, the axis-angle rotations of the joints below, the root's first (more joints follow: hands, face);
+`trans` the path of the root [m]; z is up. A rotation of zero is the T-pose that looks along +y of SMPL's own y-up axes.
+How long the person's bones are is in SMPL's shape space, which only its model files tell: here the bones are an adult's,
+to the centimetre, and `betas` are not used.
+"""
+
+from pathlib import Path
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from garmentbench.errors import UserError
+from garmentbench.importing.motions.recording import Recording
+
+# Joint, parent, place in the parent's frame of the T-pose [cm]: x to the left, y up, z ahead.
+_SKELETON = (
+    ("pelvis", None, (0, 0, 0)),
+    ("left_hip", "pelvis", (6, -9, -1)),
+    ("right_hip", "pelvis", (-6, -9, -1)),
+    ("spine1", "pelvis", (0, 11, -3)),
+    ("left_knee", "left_hip", (4, -38, 0)),
+    ("right_knee", "right_hip", (-4, -38, 0)),
+    ("spine2", "spine1", (0, 14, 2)),
+    ("left_ankle", "left_knee", (-1, -41, -4)),
+    ("right_ankle", "right_knee", (1, -41, -4)),
+    ("spine3", "spine2", (0, 5, 0)),
+    ("left_foot", "left_ankle", (3, -6, 12)),
+    ("right_foot", "right_ankle", (-3, -6, 12)),
+    ("neck", "spine3", (0, 21, -4)),
+    ("left_collar", "spine3", (7, 12, -3)),
+    ("right_collar", "spine3", (-7, 12, -3)),
+    ("head", "neck", (0, 9, 5)),
+    ("left_shoulder", "left_collar", (12, 4, -1)),
+    ("right_shoulder", "right_collar", (-12, 4, -1)),
+    ("left_elbow", "left_shoulder", (26, -1, -2)),
+    ("right_elbow", "right_shoulder", (-26, -1, -2)),
+    ("left_wrist", "left_elbow", (25, 0, 0)),
+    ("right_wrist", "right_elbow", (-25, 0, 0)),
+)
+_UPRIGHT = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # takes y, which is up in the T-pose, to z
+_RATES = ("mocap_framerate", "mocap_frame_rate", "fps")
+_ADVICE = "wanted an AMASS file with poses (T, 66 or more), trans (T, 3) and mocap_framerate"
+
+
+def is_amass(arrays: dict[str, np.ndarray]) -> bool:
+    """Do the arrays of an npz file look like AMASS's?"""
+    return "poses" in arrays or "trans" in arrays
+
+
+def amass_recording(arrays: dict[str, np.ndarray], path: Path) -> Recording:
+    """The recording in the arrays of an AMASS file [m]. Raises `UserError` where one is missing or wrong."""
+    poses, trans, fps = amass_motion(arrays, path)
+    names = [joint for joint, _, _ in _SKELETON]
+    turns = (
+        Rotation.from_rotvec(poses[:, : 3 * len(names)].reshape(-1, 3))
+        .as_matrix()
+        .reshape(len(poses), len(names), 3, 3)
+    )
+    turns = _UPRIGHT @ turns @ _UPRIGHT.T  # in the axes of a T-pose with z up, so that it stands in the file's axes
+    turns[:, 0] = _UPRIGHT.T @ turns[:, 0]
+    return Recording(
+        names=tuple(names),
+        parents=np.array([-1 if parent is None else names.index(parent) for _, parent, _ in _SKELETON]),
+        offsets=0.01 * np.array([place for _, _, place in _SKELETON], np.float64) @ _UPRIGHT.T,
+        rotations=turns,
+        root=trans,
+        fps=fps,
+    )
+
+
+def amass_motion(arrays: dict[str, np.ndarray], path: Path) -> tuple[np.ndarray, np.ndarray, float]:
+    """`poses` (T, P) [rad], `trans` (T, 3) [m] and the frame rate, checked. Raises `UserError`."""
+    for key in ("poses", "trans"):
+        if key not in arrays or arrays[key].ndim != 2 or arrays[key].dtype.kind not in "fi":
+            raise UserError(f"{path}: its array '{key}' is missing or wrong; {_ADVICE}")
+        if not np.isfinite(arrays[key]).all():
+            raise UserError(f"{path}: its array '{key}' is not finite; cut the recording before that frame")
+    poses, trans = arrays["poses"].astype(np.float64), arrays["trans"].astype(np.float64)
+    if poses.shape[1] < 3 * len(_SKELETON) or trans.shape != (len(poses), 3) or not len(poses):
+        raise UserError(f"{path}: poses {poses.shape}, trans {trans.shape}; {_ADVICE}")
+    rate = next((arrays[key] for key in _RATES if key in arrays), None)
+    if rate is None or rate.size != 1 or rate.dtype.kind not in "fi" or not 1 <= rate.item() <= 1000:
+        raise UserError(f"{path}: its frame rate is {'missing' if rate is None else rate}; {_ADVICE}")
+    return poses, trans, float(rate.item())

@@ -1,0 +1,123 @@
+"""What was found in a motion and made of it, in lines that a person checks before relying on them."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from garmentbench.importing.motions.contacts import standing_height
+from garmentbench.importing.motions.load import Loaded
+from garmentbench.importing.motions.recording import world
+from garmentbench.motion.clip import Clip
+from garmentbench.scenes.bodies import BakedBody, pose, pose_exact
+
+_INSIDE = 0.02  # how deep a vertex must be to count: skin touches skin [m]
+_LOOKED_AT = 60  # frames
+_FASTEST = 15.0  # of a joint [m/s]: a thrown fist has 12
+_UNEVEN = 0.05  # a difference between the feet that is worth a line [m]
+
+
+def findings(loaded: Loaded, baked: BakedBody) -> Iterator[str]:
+    """The lines: the skeleton, its names, its feet before and after planting, arms inside the torso."""
+    clip = loaded.clip
+    if loaded.recording is not None:
+        yield from _skeleton(loaded)
+    share = 100 * clip.standing.mean(axis=0)
+    yield (
+        f"result: {len(clip)} frames at {clip.fps:g} a second on body {baked.body.name}; "
+        f"left foot on the ground in {share[0]:.0f} %, right in {share[1]:.0f} %"
+    )
+    before = "" if loaded.unplanted is None else f" (before planting {foot_slide_cm(loaded.unplanted, baked):.2f})"
+    low, high = (round(height, 2) + 0.0 for height in foot_heights_cm(clip, baked))  # no -0.00
+    yield (
+        f"feet: slide {foot_slide_cm(clip, baked):.2f} cm a frame at most while they stand{before}; "
+        f"their lowest point is then at {low:.2f} to {high:.2f} cm"
+    )
+    inside = 100 * arms_inside(clip, baked)
+    yield f"arms: fore-arm or hand more than 2 cm inside the rest of the body in {inside:.0f} % of the frames" + (
+        "; --arm-space 10 turns hanging arms outward" if inside > 0 else ""
+    )
+
+
+def _skeleton(loaded: Loaded) -> Iterator[str]:
+    recording, upright = loaded.recording, loaded.upright
+    yield f"recording: {len(recording)} frames at {recording.fps:.4g} a second, {recording.seconds:.2f} s, {len(recording.names)} joints"
+    if upright.dropped:
+        yield f"left out at the start: a rest pose and the jump from it ({upright.dropped} frames)"
+    yield (
+        f"up: {upright.up}; unit: {upright.unit}"
+        + (f", which makes the person {upright.height:.2f} m tall" if np.isfinite(upright.height) else "")
+        + "; scaled by the legs"
+    )
+    if upright.straightened > 1:
+        yield f"elbows: bent by {upright.straightened:.0f} degrees in its T-pose; taken as straight, as on Daz's figures"
+    yield from _jumps(loaded)
+    left, right = _uneven(loaded)
+    if abs(left - right) > _UNEVEN:
+        yield f"uneven: the left foot stands {100 * abs(left - right):.0f} cm {'above' if left > right else 'below'} the right one"
+    yield f"names: {loaded.names.convention}"
+    yield from ("  " + line for line in loaded.names.lines())
+
+
+def _jumps(loaded: Loaded) -> Iterator[str]:
+    """Where a joint moves faster than anybody can: a fault of the recording."""
+    recording, joints = loaded.upright.recording, list(loaded.upright.joints.values())
+    _, positions = world(recording)
+    speed = np.linalg.norm(np.diff(positions[:, joints], axis=0), axis=-1) * recording.fps
+    fast = np.flatnonzero(speed.max(axis=1, initial=0) > _FASTEST)
+    if len(fast):
+        first, last = ((loaded.upright.dropped + f) / recording.fps for f in (fast[0], fast[-1]))
+        joint = recording.names[joints[speed[fast[0]].argmax()]]
+        yield (
+            f"jumps: {len(fast)} frames from {first:.2f} to {last:.2f} s, {joint} first, at up to {speed.max():.0f} m/s: "
+            "faults of the recording; --start and --stop cut them off"
+        )
+
+
+def _uneven(loaded: Loaded) -> np.ndarray:
+    """Height of the recording's left and right ankle while they stand [m], shape (2,)."""
+    upright = loaded.upright.at_rate(loaded.clip.fps)
+    ankles = world(upright.recording)[1][:, [upright.joints["foot.L"], upright.joints["foot.R"]]]
+    slow = np.linalg.norm(np.gradient(ankles, 1 / loaded.clip.fps, axis=0), axis=-1) < 0.35
+    return standing_height(ankles, slow)
+
+
+def foot_slide_cm(clip: Clip, baked: BakedBody) -> float:
+    """The most that a standing foot's lowest vertex moves along the ground from one frame to the next [cm]."""
+    slides = [0.0]
+    for k, foot in enumerate(_feet(clip, baked)):
+        lowest = foot[:-1, :, 2].argmin(axis=1)
+        frames = np.arange(len(lowest))
+        moved = np.linalg.norm((foot[frames + 1, lowest] - foot[frames, lowest])[:, :2], axis=1)
+        slides += list(moved[clip.standing[1:, k] & clip.standing[:-1, k]])
+    return 100 * max(slides)
+
+
+def foot_heights_cm(clip: Clip, baked: BakedBody) -> tuple[float, float]:
+    """Lowest and highest that a standing foot's lowest vertex is [cm]; 0 where no foot stands."""
+    heights = [foot[..., 2].min(axis=1)[clip.standing[:, k]] for k, foot in enumerate(_feet(clip, baked))]
+    heights = np.concatenate(heights)
+    return (100 * heights.min(), 100 * heights.max()) if len(heights) else (0.0, 0.0)
+
+
+def _feet(clip: Clip, baked: BakedBody) -> Iterator[np.ndarray]:
+    """Vertices of the left and right foot [m], each shape (T, vertices, 3)."""
+    for side in "LR":
+        joints = [baked.joint_names.index(f"{name}.{side}") for name in ("foot", "toes")]
+        yield pose_exact(baked, clip.rotations, clip.root, np.flatnonzero(baked.weights[:, joints].sum(axis=1) > 0.99))
+
+
+def arms_inside(clip: Clip, baked: BakedBody) -> float:
+    """Share of frames in which a vertex of a fore-arm or hand is more than 2 cm inside the rest of the body, from 0 to 1.
+
+    Of at most 60 frames, evenly spread. Upper arms don't count as the rest of the body: they hang on to the fore-arms.
+    """
+    from garmentbench.metrics.interpenetration_strict import signed_distances
+
+    chosen = np.unique(np.linspace(0, len(clip) - 1, _LOOKED_AT).round().astype(int))
+    vertices = pose(baked, clip.rotations[chosen], clip.root[chosen])
+    names = baked.body.part_names
+    arms = np.isin(baked.body.labels, [names.index("fore_arm"), names.index("rear_arm")])
+    fore_arms = baked.body.labels == names.index("fore_arm")
+    rest = baked.body.faces[~arms[baked.body.faces].any(axis=1)]
+    distances = signed_distances(vertices[:, fore_arms], vertices, rest)
+    return float((distances < -_INSIDE).any(axis=1).mean())

@@ -1,0 +1,139 @@
+"""What can be told of a recorded skeleton without asking: which way is up, its unit, and rows that are no motion."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from garmentbench.errors import UserError
+from garmentbench.importing.motions.recording import Recording, resample, world
+from garmentbench.motion.legs import unit
+from garmentbench.scenes.bodies import BakedBody
+
+UNITS = {"metres": 1.0, "centimetres": 0.01, "millimetres": 0.001, "inches": 0.0254, "CMU's 5.64 cm": 0.0254 / 0.45}
+_AXES = {f"{sign}{name}": s * np.eye(3)[a] for a, name in enumerate("xyz") for sign, s in (("", 1.0), ("-", -1.0))}
+_UPRIGHT = 0.8  # how much of the way from feet to chest must be along the up axis
+_BONES = (("thigh", "calf"), ("calf", "foot"), ("upper_arm", "fore_arm"), ("fore_arm", "hand"))
+_ADULT = (1.2, 2.3)  # [m]
+_NO_MOTION = 12.0  # [m/s]: so fast no joint moves against the hips, but a rest pose before the motion makes it jump
+_MOTION = 4.0  # [m/s]
+_LEAD = 0.1  # [s]
+_STRAIGHT = np.cos(np.radians(25))  # an elbow that is bent by less in a T-pose is meant to be straight
+_ACROSS = 0.9  # how much of an upper arm is across the body in a T-pose
+
+
+@dataclass(frozen=True)
+class Upright:
+    """A recording brought to our axes and size.
+
+    Attributes:
+        recording: z up, in metres, its legs as long as the body's.
+        joints: Index of the recording's joint for each of ours that it has.
+        up: Its own up axis, e.g. "y".
+        unit: Its own unit, as its height suggests.
+        height: The person's height in that unit [m].
+        dropped: Rows left out at the start because they show a rest pose.
+        rest: The rest pose (one frame): the first of these rows, or that of rotations that are all zero.
+        straightened: By how much the elbows of its T-pose are bent, which here are straight [degrees].
+    """
+
+    recording: Recording
+    joints: dict[str, int]
+    up: str
+    unit: str
+    height: float
+    dropped: int
+    rest: Recording
+    straightened: float
+
+    def at_rate(self, fps: float) -> "Upright":
+        """The same at another frame rate."""
+        return replace(self, recording=resample(self.recording, fps))
+
+
+def bring_upright(recording: Recording, joints: dict[str, int], baked: BakedBody, where: str) -> Upright:
+    """Find out axes and size of a recording. Raises `UserError` where no axis is up or a bone has no length."""
+    _, positions = world(recording)
+    up = _up_axis(positions, joints, where)
+    _check_bones(positions, joints, where)
+    legs = _leg_length(positions, joints)
+    ours = _leg_length(baked.joints[None], {name: i for i, name in enumerate(baked.joint_names)})
+    height = np.ptp(baked.body.rest[:, 2]) * legs / ours
+    unit = min(UNITS, key=lambda u: abs(np.log(height * UNITS[u] / 1.7)))
+    if not _ADULT[0] < height * UNITS[unit] < _ADULT[1]:
+        unit = "an unknown unit"
+    scaled = recording.in_axes(_turn_to_z(_AXES[up]), ours / legs)
+    dropped = _rest_rows(scaled, joints)
+    scaled, bend = _straight_elbows(scaled, joints)
+    rest = scaled.frames(0, 1) if dropped else scaled.rest_pose()
+    motion = scaled.frames(dropped, len(scaled))
+    return Upright(motion, joints, up, unit, height * UNITS.get(unit, np.nan), dropped, rest, bend)
+
+
+def _up_axis(positions: np.ndarray, joints: dict[str, int], where: str) -> str:
+    """The axis along which the chest is from the feet, most of the time."""
+    feet = positions[:, [joints["foot.L"], joints["foot.R"]]].mean(axis=1)
+    body = np.median(positions[:, joints["chest"]] - feet, axis=0)
+    up = max(_AXES, key=lambda a: _AXES[a] @ body)
+    if not _AXES[up] @ body > _UPRIGHT * np.linalg.norm(body):
+        raise UserError(
+            f"{where}: no axis is up: the chest is not above the feet; wanted somebody who stands most of the time"
+        )
+    return up
+
+
+def _check_bones(positions: np.ndarray, joints: dict[str, int], where: str) -> None:
+    """Raises `UserError` where two joints that give a bone its direction are at one place."""
+    bones = [(f"{a}.{side}", f"{b}.{side}") for side in "LR" for a, b in _BONES] + [
+        (f"{a}.L", f"{a}.R") for a in ("thigh", "upper_arm")
+    ]
+    size = np.ptp(positions, axis=1).max()
+    for a, b in bones:
+        if not np.linalg.norm(positions[:, joints[a]] - positions[:, joints[b]], axis=1).min() > 1e-4 * size:
+            raise UserError(
+                f"{where}: {a} and {b} are at one place; wanted a bone of some length, or other names with --map"
+            )
+
+
+def _turn_to_z(up: np.ndarray) -> np.ndarray:
+    """A rotation, shape (3, 3), that takes axes to axes, `up` to z; where y was up, z ahead is then -y, as ours."""
+    ahead = np.roll(np.abs(up), 1)
+    return np.eye(3) if up[2] == 1 else np.stack([np.cross(up, ahead), -ahead, up])
+
+
+def _leg_length(positions: np.ndarray, joints: dict[str, int]) -> float:
+    """Mean length of thigh and calf together, of positions of shape (T, J, 3)."""
+    ends = [(f"{a}.{side}", f"{b}.{side}") for side in "LR" for a, b in _BONES[:2]]
+    bones = [positions[:, joints[a]] - positions[:, joints[b]] for a, b in ends]
+    return float(np.linalg.norm(bones, axis=-1).mean() * 2)
+
+
+def _rest_rows(recording: Recording, joints: dict[str, int]) -> int:
+    """How many rows at the start show a rest pose, or the jump from it into the motion (CMU's conversions have such)."""
+    _, positions = world(recording.frames(0, int(_LEAD * recording.fps) + 2))
+    moving = positions[:, list(joints.values())] - positions[:, :1]
+    speed = np.linalg.norm(np.diff(moving, axis=0), axis=-1).max(axis=1, initial=0) * recording.fps
+    if not len(speed) or speed[0] < _NO_MOTION or len(speed) + 1 >= len(recording):
+        return 0
+    return 1 + int(np.argmax(np.append(speed, 0.0)[1:] < _MOTION))
+
+
+def _straight_elbows(recording: Recording, joints: dict[str, int]) -> tuple[Recording, float]:
+    """The recording with straight elbows in its T-pose, if it has one, and by how much they were bent [degrees].
+
+    Figures of Poser and Daz hold their fore-arms 18 degrees ahead in their T-pose; whose motion was brought to them had
+    straight arms in his.
+    """
+    _, positions = world(recording.rest_pose())
+    place = {name: positions[0, i] for name, i in joints.items()}
+    across = unit(place["upper_arm.L"] - place["upper_arm.R"])
+    offsets, bend = recording.offsets.copy(), 0.0
+    for side, out in (("L", across), ("R", -across)):
+        arm, fore, hand = (place[f"{name}.{side}"] for name in ("upper_arm", "fore_arm", "hand"))
+        upper, lower = fore - arm, hand - fore
+        cosine = upper @ lower / max(np.linalg.norm(upper) * np.linalg.norm(lower), 1e-12)
+        parent = recording.parents[joints[f"hand.{side}"]]
+        if cosine < _STRAIGHT or unit(upper) @ out < _ACROSS or parent != joints[f"fore_arm.{side}"]:
+            return recording, 0.0
+        offsets[joints[f"hand.{side}"]] = np.linalg.norm(lower) * unit(upper)
+        bend = max(bend, float(np.degrees(np.arccos(min(cosine, 1.0)))))
+    return replace(recording, offsets=offsets), bend

@@ -1,0 +1,130 @@
+"""The data card of a sequence as Markdown, always in the same form; and its known flaws, by what was measured."""
+
+import math
+
+from garmentbench.method import HISTORY
+from garmentbench.report.card import COST, FACTS, NEEDS_INSIDE, SECTIONS, UNCERTAINTY, YES_NO, Card, Fact
+
+LIMITS = (  # what makes a flaw: a fact, the most it may be, and how it is said
+    ("strict_percent", 0.1, "{0:.2g} % of the garment's vertices lie inside the body, more than {1:g} %."),
+    ("uncertainty_cm", 0.3, "Its own uncertainty is {0:.2g} cm, more than {1:g} cm."),
+    (
+        "p99_strain",
+        10.0,
+        "In some frame 1 % of the edges are strained by more than {0:.0f} %, and {1:g} % is much for cloth.",
+    ),
+    ("self_percent", 0.0, "{0:.2g} % of the faces pass through another."),
+)
+_NOTES = {
+    UNCERTAINTY: "Mean distance over vertices and frames when nothing that matters is changed.",
+}
+
+
+def markdown(card: Card) -> str:
+    """The card as Markdown."""
+    lines = [
+        f"# Data card: {card.scene}" + (f" ({card.preset})" if card.preset else ""),
+        "",
+        "## What",
+        "",
+        *_what(card),
+        "",
+    ]
+    for section in SECTIONS:
+        lines += [f"## {section}", ""]
+        lines += [_NOTES[section], ""] if section in _NOTES else []
+        lines += ["| | |", "|---|---:|", *(_row(card, fact) for fact in FACTS if fact.section == section), ""]
+        lines += [_minutes(card), ""] if section == COST else []
+    lines += [
+        "## Known flaws",
+        "",
+        *(f"- {flaw}" for flaw in flaws(card) or ["None of those that are looked for."]),
+        "",
+    ]
+    return "\n".join([*lines, "## How to evaluate on it", "", *_how(card)]) + "\n"
+
+
+def flaws(card: Card) -> list[str]:
+    """What is known to be wrong with a sequence, from what was measured of it."""
+    n, found = card.numbers, []
+    if card.status not in ("", "ok"):
+        found.append(f"The simulation is {card.status} from frame {n.get('first_bad_frame', math.nan):.0f} on.")
+    found += [text.format(n[name], limit) for name, limit, text in LIMITS if n.get(name, 0.0) > limit]
+    if n.get("self_contact") == 0:
+        found.append("The cloth does not touch itself: self-contact is off.")
+    if card.status:
+        found.append("Contact with the body is felt at vertices only: faces between them may cut into it.")
+    else:
+        found.append("How it was made is not known.")
+    unmeasured = [
+        what
+        for name, what in (("uncertainty_cm", "uncertainty"), ("self_percent", "self-intersection"))
+        if name not in n
+    ]
+    if unmeasured:
+        found.append(f"Not measured: {' and '.join(unmeasured)}.")
+    return found
+
+
+def _what(card: Card) -> list[str]:
+    names = (("garment", card.garment), ("body", card.body or "none"), ("motion", card.motion), ("split", card.split))
+    rows = [f"| {name} | {value} |" for name, value in names]
+    made = "simulated by the reference simulator" if card.status else "imported"
+    rows += [f"| origin | {made} |", "| units | metres, seconds; z up, the body faces -y; float32 |"]
+    return ["| | |", "|---|---|", *rows, *([""] if card.notes else []), *(f"- {note}" for note in card.notes)]
+
+
+def _minutes(card: Card) -> str:
+    """What all frames cost, in words."""
+    if "ms_per_frame" not in card.numbers:
+        return "What it cost is not known."
+    minutes = card.numbers["ms_per_frame"] * card.numbers["frames"] / 6e4
+    return f"{minutes:.2g} minutes for all frames, in one process; the two runs that measure the uncertainty are not counted."
+
+
+def _row(card: Card, fact: Fact) -> str:
+    unit = "" if fact.unit in ("", YES_NO) else f" [{fact.unit}]"
+    return f"| {fact.label}{unit} | {_value(card, fact)} |"
+
+
+def _value(card: Card, fact: Fact) -> str:
+    value = card.numbers.get(fact.name)
+    if value is None:
+        applies = (
+            not (fact.name in NEEDS_INSIDE and card.numbers.get("has_inside") == 0) and fact.name != "first_bad_frame"
+        )
+        return "not measured" if applies else "–"
+    if fact.unit == YES_NO:
+        return "yes" if value else "no"
+    return f"{value:,.0f}" if value == round(value) else f"{value:.3g}"
+
+
+def _how(card: Card) -> list[str]:
+    from garmentbench.evaluation.score import (
+        SHORT_HORIZON,  # which brings Warp: not for those who only read results.csv
+    )
+
+    n = card.numbers
+    frames, doubt = n["frames"], n.get("uncertainty_cm")
+    preset = f" --preset {card.preset}" if card.preset else ""
+    scene = card.scene if card.status else f"{card.scene}.h5"
+    train = f"garmentbench train METHOD --scene {scene}{preset}"
+    test = f"garmentbench evaluate METHOD --train-scene TRAINING --scene {scene}{preset}"
+    horizons = f"{SHORT_HORIZON} and {frames:.0f}" if frames - HISTORY > SHORT_HORIZON else f"{frames:.0f}"
+    lines = [
+        f"`{train}`" if card.split == "train" else f"`{test}`",
+        "",
+        "- It is for training: an error on it is a training error."
+        if card.split == "train"
+        else "- It is for testing: nothing may be fitted or chosen on it.",
+        f"- A roll-out begins with the first {HISTORY} frames as they are and is free from then on; its error is reported over {horizons} frames.",
+        "- A method sees the body up to the present frame only.",
+    ]
+    lines.append(
+        "- Say that its uncertainty is unknown beside every error."
+        if doubt is None
+        else f"- Report the uncertainty beside every error: differences below {doubt:.2g} cm mean nothing."
+    )
+    if n.get("has_inside") == 0:
+        lines.append("- There is no human body: interpenetration is not reported.")
+    return lines

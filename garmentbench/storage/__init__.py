@@ -1,0 +1,1 @@
+"""Files and runs on disk: written whole or not at all, locked, fingerprinted, resumed."""

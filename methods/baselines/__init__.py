@@ -1,0 +1,1 @@
+"""Simple methods that every learned one is compared with."""

@@ -1,0 +1,107 @@
+"""The convergence study: what each run changes, the numbers on a case that can be computed, and its rows."""
+
+import math
+
+import numpy as np
+import pytest
+
+from garmentbench import paths
+from garmentbench.evals.convergence import study as convergence
+from garmentbench.evals.convergence.study import VARIANTS, distances, simulate_variant
+from garmentbench.evals.convergence.table import CHOSEN, FINEST, observed_order
+from garmentbench.scenes.presets import PRESETS
+from garmentbench.scenes.scene import load_scene
+from garmentbench.storage.jobs import Failure
+
+SMOKE = PRESETS["smoke"]
+SHEET = "sheet-stick-b"
+
+
+def oscillator(substeps: int, frames: int = 30) -> np.ndarray:
+    """A mass on a spring (3 Hz, 30 frames a second) by symplectic Euler; positions [m], shape (T, 1, 3)."""
+    dt, square, x, v, found = 1 / 30 / substeps, (2 * np.pi * 3) ** 2, 0.1, 0.0, []
+    for _ in range(frames):
+        for _ in range(substeps):
+            v -= dt * square * x
+            x += dt * v
+        found.append(x)
+    return np.array(found)[:, None, None] * np.array([0.0, 0.0, 1.0])
+
+
+def test_the_study_finds_the_order_of_symplectic_euler():
+    finest = oscillator(8 * 16)
+    errors = [distances(oscillator(k * 16), finest)["difference"][0] for k in (1, 2, 4)]
+    assert errors[0] > errors[1] > errors[2]
+    assert errors[1] / errors[2] == pytest.approx(3, rel=0.1)  # (1/2 - 1/8) / (1/4 - 1/8)
+    assert observed_order(errors[0], errors[2]) == pytest.approx(1, abs=0.1)
+
+
+def test_a_run_that_ended_early_has_no_difference():
+    value, unit = distances(oscillator(16, 20), oscillator(16, 30))["difference"]
+    assert math.isnan(value) and unit == "cm"
+
+
+def test_a_scene_s_own_settings_are_multiplied_not_replaced(monkeypatch):
+    from dataclasses import replace
+
+    scene = replace(load_scene(SHEET), simulation={"substep_factor": 2, "start_noise": 0.01, "queries": 16})
+    monkeypatch.setattr(convergence, "load_scene", lambda name: scene)
+    finer = convergence._scene(SHEET, VARIANTS["substeps_x4"])
+    assert finer.simulation == {"substep_factor": 8, "start_noise": 0.01, "queries": 16}
+    assert convergence._scene(SHEET, VARIANTS["start_1mm"]).simulation["start_noise"] == pytest.approx(0.011)
+    assert finer.frames == convergence.FRAMES
+
+
+def test_what_is_compared_with_what():
+    assert {v.name: v.compared_with for v in VARIANTS.values()} == {
+        CHOSEN: FINEST,
+        "substeps_x2": FINEST,
+        "substeps_x4": FINEST,
+        FINEST: FINEST,
+        "start_1um": CHOSEN,
+        "start_1mm": CHOSEN,
+        "start_1cm": CHOSEN,
+        "mesh_fine": CHOSEN,
+    }
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    """A study of the smallest sheet, really run, but for one run that failed."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(paths, "RUNS", tmp_path_factory.mktemp("runs"))
+        patch.setattr(convergence, "SCENES", (SHEET,))
+        made = {
+            ("convergence", SHEET, name): simulate_variant(SHEET, SMOKE, variant)
+            for name, variant in VARIANTS.items()
+            if name != "substeps_x4"
+        }
+        made["convergence", SHEET, "substeps_x4"] = Failure("substeps_x4", "no such luck")
+        yield made
+
+
+def test_rows_of_a_real_study(results):
+    rows = convergence.STUDY.rows(SMOKE, results)
+    values = {(r["variant"], r["metric"]): r["value"] for r in rows}
+    assert {v for v, _ in values} == set(VARIANTS)
+    assert values[FINEST, "substeps"] == 8 * values[CHOSEN, "substeps"]
+    assert 0 < values["substeps_x2", "difference"] < 1.0 and (FINEST, "difference") not in values
+    assert 0 < values["mesh_fine", "difference"] < 5.0
+    assert values["mesh_fine", "substeps"] > values[CHOSEN, "substeps"]
+    assert all(r["method"] == "reference" and r["run_id"] for r in rows)
+    assert {r["status"] for r in rows} == {
+        "ok",
+        "failed",
+    }  # the push of 1 cm strains it by 20 % for a frame of the warm-up
+
+
+def test_a_failed_run_keeps_its_row(results):
+    row = next(r for r in convergence.STUDY.rows(SMOKE, results) if r["variant"] == "substeps_x4")
+    assert row["status"] == "failed" and math.isnan(row["value"]) and "no such luck" in row["run_id"]
+
+
+def test_what_is_finished_is_reused_and_found_without_running(results):
+    again = simulate_variant(SHEET, SMOKE, VARIANTS[CHOSEN])
+    assert again == results["convergence", SHEET, CHOSEN]
+    expected = convergence.STUDY.runs(SMOKE)
+    assert all(expected[key] == run for key, run in results.items() if not isinstance(run, Failure))

@@ -1,0 +1,158 @@
+"""`garmentbench check` on meshes, as it is typed."""
+
+from dataclasses import replace
+
+import matplotlib.image
+import numpy as np
+import pytest
+from faulty_meshes import at, ball, more, moved, parted, tube
+
+from garmentbench.cli import main
+from garmentbench.evaluation.toy import tiny_sequence
+from garmentbench.importing.mesh_doctor.writing import write_mesh
+from garmentbench.sequence_file.read_write import save
+
+CLEAN = tube()
+
+
+@pytest.fixture
+def home(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    write_mesh(tmp_path / "good.npz", CLEAN)
+    write_mesh(tmp_path / "good.obj", CLEAN)
+    body = ball()
+    lines = [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in body.rest] + [f"f {a} {b} {c}" for a, b, c in body.faces + 1]
+    (tmp_path / "ball.obj").write_text("\n".join(lines))
+    bad = parted(CLEAN, 15, sewn=False)
+    bad = replace(bad, faces=np.where((np.arange(3600) % 50 == 0)[:, None], bad.faces[:, ::-1], bad.faces))
+    bad = more(moved(bad, at(5, 7), 0.94 * bad.vertices[at(5, 7)]), [[0, 0, 0]], [], [[0, 0]])
+    write_mesh(tmp_path / "bad.npz", replace(bad, uv=1.5 * bad.uv))
+    return tmp_path
+
+
+def typed(capsys, *arguments: str) -> tuple[int, list[str], list[str]]:
+    code = main(("check", *arguments))
+    out, err = capsys.readouterr()
+    return code, out.splitlines(), err.splitlines()
+
+
+@pytest.mark.parametrize("name", ["good.npz", "good.obj"])
+def test_a_good_mesh(home, capsys, name):
+    code, out, err = typed(capsys, name, "--body", "ball.obj")
+    assert code == 0 and err == [] and out[1:] == [f"{name}: good"]
+    assert (
+        out[0].startswith(f"{name}: 1891 vertices, 3600 faces, 1 piece, 2 openings, ") and "substeps a frame" in out[0]
+    )
+
+
+def test_a_bad_mesh_has_all_its_faults_told_errors_first(home, capsys):
+    code, out, err = typed(capsys, "bad.npz", "--body", "ball.obj")
+    assert code == 1 and err == ["garmentbench: bad.npz: 4 errors, listed above; the file can't be used as it is"]
+    kinds = [":".join(line.split(":")[:2]) for line in out[1:]]
+    assert kinds == [
+        "error: vertices",
+        "error: winding",
+        "error: cracks",
+        "error: uv",
+        "warning: pieces",
+        "warning: body",
+    ]
+
+
+def test_warnings_alone_are_no_failure(home, capsys):
+    write_mesh(home / "a.npz", moved(CLEAN, at(5, 7), 0.94 * CLEAN.vertices[at(5, 7)]))
+    code, out, _ = typed(capsys, "a.npz", "--body", "ball.obj")
+    assert code == 0 and out[-1] == "a.npz: good, but see the warnings" and len(out) == 3
+
+
+@pytest.mark.parametrize("suffix", ["npz", "obj"])
+def test_fix_writes_a_good_mesh_and_the_fixed_is_fixed_to_the_same_bytes(home, capsys, suffix):
+    code, out, _ = typed(capsys, "bad.npz", "--body", "ball.obj", "--fix", f"a.{suffix}")
+    assert code == 0 and out[-1] == f"a.{suffix}: good"
+    done = [line for line in out if line.startswith("fix: ")]
+    for start, line in zip(
+        ("removed 1 vertex", "joined 61 pairs", "turned 72 faces", "pushed 1 point", "moved the UV map"),
+        done,
+        strict=True,
+    ):
+        assert line.startswith(f"fix: {start}")
+    assert "what is left" in out[len(done)]
+    code, out, _ = typed(capsys, f"a.{suffix}", "--body", "ball.obj", "--fix", f"b.{suffix}")
+    assert code == 0 and out[0] == "fix: nothing to repair"
+    assert (home / f"a.{suffix}").read_bytes() == (home / f"b.{suffix}").read_bytes()
+
+
+def test_what_is_left_decides_the_exit_code(home, capsys):
+    deep = replace(CLEAN, vertices=CLEAN.vertices * [0.8, 0.8, 1])
+    write_mesh(home / "deep.npz", deep)
+    code, out, err = typed(capsys, "deep.npz", "--body", "ball.obj", "--fix", "a.npz")
+    assert code == 1 and out[0].startswith("fix: left ") and "error: body: " in out[-1] and "a.npz: 1 error" in err[0]
+
+
+def test_units_and_uv(home, capsys):
+    write_mesh(home / "odd.obj", replace(CLEAN, uv=None).scaled(350.0))
+    code, out, _ = typed(capsys, "odd.obj")
+    assert code == 1 and "the unit can't be told" in out[1]
+    pytest.importorskip("xatlas", reason="xatlas is an extra")
+    code, out, _ = typed(capsys, "odd.obj", "--fix", "a.npz", "--units", "mm", "--make-uv")
+    assert code == 0 and out[0] == "fix: scaled from mm to m, by 0.001 (as --units says)" and "made a UV map" in out[1]
+
+
+def test_fix_to_npz_without_uv_says_what_to_do(home, capsys):
+    write_mesh(home / "bare.obj", replace(CLEAN, uv=None))
+    code, _, err = typed(capsys, "bare.obj", "--fix", "a.npz")
+    assert code == 1 and len(err) == 1 and "give --make-uv, or write .obj" in err[0] and not (home / "a.npz").exists()
+
+
+def test_weld(home, capsys):
+    apart = parted(CLEAN, 15, sewn=False)
+    write_mesh(home / "apart.npz", moved(apart, np.arange(1891, 1952), apart.vertices[1891:] - [0, 0, 3e-4]))
+    _, out, _ = typed(capsys, "apart.npz", "--fix", "a.npz")
+    assert "warning: pieces: 2 pieces" in out[-2]
+    code, out, _ = typed(capsys, "apart.npz", "--fix", "a.npz", "--weld", "0.001")
+    assert code == 0 and out[-1] == "a.npz: good"
+
+
+@pytest.mark.parametrize(("arguments", "says"), [
+    (["good.npz", "--units", "cm"], "--units says how to repair; give --fix"),
+    (["good.npz", "--make-uv"], "--make-uv says how to repair; give --fix"),
+    (["good.npz", "--fix", "a.stl"], "wanted a name that ends in .obj or .npz"),
+    (["good.npz", "--fix", "a.npz", "--units", "inches"], "--units is 'inches'; wanted m, cm, mm"),
+    (["good.npz", "--fix", "a.npz", "--weld", "1"], "--weld is 1; wanted metres above 0 and below 0.1"),
+    (["good.npz", "--body", "bsae"], "unknown body 'bsae': did you mean 'base'?"),
+])  # fmt: skip
+def test_wrong_calls(home, capsys, arguments, says):
+    code, out, err = typed(capsys, *arguments)
+    assert code == 2 and len(err) == 1 and says in err[0] and out == []
+
+
+def test_a_sequence_s_garment_is_checked_too_but_only_warned_of(home, capsys):
+    sequence = tiny_sequence(8)
+    save(sequence, home / "a.h5")
+    assert typed(capsys, "a.h5") == (0, ["a.h5: good"], [])
+    sequence.template.garment.faces[3] = sequence.template.garment.faces[3, ::-1]
+    save(sequence, home / "b.h5")
+    code, out, _ = typed(capsys, "b.h5")
+    assert code == 0 and out[0].startswith("warning: garment winding: 1 flipped face") and len(out) == 2
+    code, out, _ = typed(capsys, "b.h5", "--fix", "b.npz")
+    assert code == 0 and out[0] == "fix: turned 1 face that ran against the neighbours" and out[-1] == "b.npz: good"
+
+
+def red(path) -> np.ndarray:
+    image = matplotlib.image.imread(path)[..., :3]
+    return (image[..., 0] > 0.4) & (image[..., 1] < 0.25) & (image[..., 2] < 0.25)
+
+
+def test_the_picture_has_what_was_found_in_red(home, capsys):
+    assert typed(capsys, "good.npz", "--picture", "good.png")[0] == 0
+    assert typed(capsys, "bad.npz", "--body", "ball.obj", "--picture", "bad.png")[0] == 1
+    assert red(home / "good.png").sum() == 0
+    marked = red(home / "bad.png")
+    thirds = [part.sum() for part in np.array_split(marked, 3, axis=1)]
+    assert marked.shape == (600, 1350) and min(thirds) > 200
+
+
+def test_a_picture_of_nan_is_refused_in_one_line(home, capsys):
+    write_mesh(home / "nan.npz", moved(CLEAN, 9, np.nan))
+    code, _, err = typed(capsys, "nan.npz", "--picture", "a.png")
+    assert code == 1 and len(err) == 1 and "can't be drawn" in err[0]

@@ -1,0 +1,88 @@
+"""Clips of CMU's database and a Rokoko capture: what is guessed of them, planted feet, and two conversions of one take."""
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from garmentbench.errors import UserError
+from garmentbench.importing.motions.bvh import read_bvh
+from garmentbench.importing.motions.findings import arms_inside, findings, foot_heights_cm, foot_slide_cm
+from garmentbench.importing.motions.load import Loaded, load_clip
+from garmentbench.motion.clip import Clip
+from garmentbench.motion.legs import unit
+from garmentbench.paths import ROOT
+from garmentbench.scenes.bodies import joint_positions, load_body
+from garmentbench.scenes.scene import Motion
+
+MOCAP = ROOT.parent / "shared" / "data" / "mocap"
+BASE = load_body("base", "small")
+CLIPS = {  # what they are known to be: convention, unit, frames at 30 a second, person's height [m]
+    "05_20-mb": ("CMU for MotionBuilder", "CMU's 5.64 cm", 274, 1.67),
+    "05_20-daz": ("CMU for Daz", "centimetres", 273, 1.68),
+    "131_01": ("CMU for 3ds Max", "CMU's 5.64 cm", 249, 1.63),
+    "jesse_dance": ("Mixamo", "centimetres", 302, 1.76),
+    "salsa_10": ("CMU for Daz", "centimetres", 298, 1.68),
+}
+pytestmark = pytest.mark.skipif(
+    not (MOCAP / "131_01.bvh").is_file(), reason="the recordings in ../shared/data/mocap are not there"
+)
+
+
+@cache
+def loaded(name: str, arm_space: float = 0.0) -> Loaded:
+    return load_clip(Motion("clip", file=str(MOCAP / f"{name}.bvh"), arm_space=arm_space), BASE, 30.0)
+
+
+@pytest.mark.parametrize("name", CLIPS)
+def test_what_is_found_and_made_of_it(name):
+    found = loaded(name)
+    convention, unit_name, frames, height = CLIPS[name]
+    assert (found.names.convention, found.upright.unit, found.upright.up, len(found.clip)) == (
+        convention,
+        unit_name,
+        "y",
+        frames,
+    )
+    assert found.upright.height == pytest.approx(height, abs=0.02)
+    assert foot_slide_cm(found.clip, BASE) < 0.05 < 1 < foot_slide_cm(found.unplanted, BASE)
+    low, high = foot_heights_cm(found.clip, BASE)
+    assert -0.05 < low and high < 0.05
+    assert all("\n" not in line for line in findings(found, BASE))
+
+
+def bones(clip: Clip) -> dict[str, np.ndarray]:
+    """Directions of limbs and trunk, shape (T, 3)."""
+    place = joint_positions(BASE, clip.rotations, clip.root)
+    ends = {
+        j: [k for k, p in enumerate(BASE.parents) if p == j][-1]
+        for j in range(1, len(BASE.parents))
+        if j in BASE.parents
+    }
+    return {BASE.joint_names[j]: unit(place[:, k] - place[:, j]) for j, k in ends.items()}
+
+
+def test_two_conversions_of_one_take_agree():
+    """Other skeletons, units, rest poses, channel orders; the arms' T-poses differ by 4 degrees, the feet's by 6."""
+    mb, daz = (loaded(f"05_20-{kind}").clip for kind in ("mb", "daz"))
+    mb, daz = mb.from_origin(1).frames(1, 274), daz.from_origin(0)  # one left out 1 row of 120 a second, the other 5
+    theirs = bones(daz)
+    for name, ours in bones(mb).items():
+        angle = np.degrees(np.arccos(np.clip(np.sum(ours * theirs[name], axis=1), -1, 1)))
+        assert np.median(angle) < 8, name
+    places = [joint_positions(BASE, c.rotations, c.root) for c in (mb, daz)]
+    assert np.linalg.norm(places[0] - places[1], axis=-1).mean() < 0.05
+
+
+def test_arm_space_takes_arms_out_of_the_torso():
+    assert arms_inside(loaded("salsa_10").clip, BASE) > 0.5 > 0.1 > arms_inside(loaded("salsa_10", 20.0).clip, BASE)
+
+
+def test_real_files_cut_off_are_refused(tmp_path: Path):
+    data = (MOCAP / "131_01.bvh").read_bytes()
+    rng = np.random.default_rng(0)
+    for length in rng.integers(0, len(data) - 10, 15):
+        (tmp_path / "cut.bvh").write_bytes(data[:length])
+        with pytest.raises(UserError):
+            read_bvh(tmp_path / "cut.bvh")

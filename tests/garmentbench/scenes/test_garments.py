@@ -1,0 +1,230 @@
+"""The baked garments: sizes, topology, UV charts, and that they are put on without touching."""
+
+import numpy as np
+import pytest
+import trimesh
+from scipy.spatial import cKDTree
+
+from garmentbench.errors import UsageError
+from garmentbench.geometry.mesh import edge_lengths, unique_edges
+from garmentbench.metrics.interpenetration_strict import signed_distances
+from garmentbench.motion.stick import HEIGHT, RADIUS, stick
+from garmentbench.paths import GARMENTS
+from garmentbench.scenes.bodies import load_body
+from garmentbench.scenes.garments import garment_names, load_garment
+from garmentbench.scenes.presets import PRESETS
+from garmentbench.sequence import Body, Garment
+
+SIZES = list(PRESETS)
+COUNTS = {  # at smoke, laptop and paper size; the paper's own for T-shirt, bodysuit and pleated skirt
+    "bodysuit": (500, 1_500, 21_904),
+    "dress": (400, 1_500, 18_000),
+    "over_skirt": (400, 1_500, 18_000),
+    "pleated_skirt": (400, 1_500, 17_678),
+    "sheet": (200, 900, 5_000),
+    "tshirt": (400, 1_500, 18_902),
+}
+BORDERS = {"bodysuit": 5, "dress": 4, "over_skirt": 2, "pleated_skirt": 2, "sheet": 1, "tshirt": 4}
+CHARTS = {"bodysuit": 2, "dress": 2, "over_skirt": 2, "pleated_skirt": 1, "sheet": 1, "tshirt": 2}
+WAIST_HELD = {"over_skirt": 1.185, "pleated_skirt": 1.165}  # height of the upper edge [m]
+EVERY = [(name, size) for name in COUNTS for size in SIZES]
+WORN = [(name, size) for name, size in EVERY if name != "sheet"]
+
+
+def sewn(garment: Garment) -> np.ndarray:
+    """Faces with both copies of a seam point as one vertex."""
+    number = np.arange(len(garment.rest))
+    number[garment.seams[:, 1]] = garment.seams[:, 0]
+    return number[garment.faces]
+
+
+def directed_edges(faces: np.ndarray) -> np.ndarray:
+    return faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+
+
+def border_loops(faces: np.ndarray) -> list[np.ndarray]:
+    """Vertices of each border loop; asserts that every border vertex has one edge in and one out."""
+    pairs = directed_edges(faces)
+    back = set(map(tuple, pairs[:, ::-1].tolist()))
+    border = np.array([pair for pair in pairs.tolist() if tuple(pair) not in back])
+    assert (np.unique(border[:, 0], return_counts=True)[1] == 1).all()
+    return trimesh.graph.connected_components(border)
+
+
+def twice_uv_area(garment: Garment) -> np.ndarray:
+    a, b, c = garment.uv[garment.faces].astype(np.float64).transpose(1, 2, 0)
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def distances(garment: Garment, body: Body) -> np.ndarray:
+    """Signed distances of all vertices to the surface [m], negative inside."""
+    return signed_distances(garment.rest[None], body.rest[None], body.faces)[0]
+
+
+def test_names():
+    assert garment_names() == sorted(COUNTS)
+
+
+@pytest.mark.parametrize(("name", "size"), [("tshrt", "laptop"), ("tshirt", "lapdog")])
+def test_unknown_name_or_size_tells_the_nearest(name, size):
+    with pytest.raises(UsageError, match="did you mean '(tshirt|laptop)'"):
+        load_garment(name, size)
+
+
+@pytest.mark.parametrize(("name", "size"), EVERY)
+def test_counts_types_and_file_size(name, size):
+    garment = load_garment(name, size)
+    assert len(garment.rest) == pytest.approx(COUNTS[name][SIZES.index(size)], rel=0.03)
+    assert (garment.rest.dtype, garment.uv.dtype) == (np.float32, np.float32)
+    assert {a.dtype for a in (garment.faces, garment.seams, garment.pins)} == {np.dtype(np.int32)}
+    np.testing.assert_array_equal(np.unique(garment.faces), np.arange(len(garment.rest)))
+    path = GARMENTS / f"{name}-{size}.npz"
+    assert path.stat().st_size < 1.5e6
+    with np.load(path) as file:
+        assert str(file["licence"]) == "CC0-1.0"
+
+
+@pytest.mark.parametrize(("name", "size"), EVERY)
+def test_manifold_oriented_and_in_one_piece(name, size):
+    faces = sewn(load_garment(name, size))
+    pairs = directed_edges(faces)
+    assert len(np.unique(pairs, axis=0)) == len(pairs)  # each direction once: manifold and consistently oriented
+    assert len(trimesh.graph.connected_components(pairs)) == 1
+    assert len(border_loops(faces)) == BORDERS[name]
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_tshirt_openings_lie_where_they_should(size):
+    garment = load_garment("tshirt", size)
+    middles = np.array([garment.rest[loop].mean(axis=0) for loop in border_loops(sewn(garment))])
+    order = np.argsort(middles[:, 0])
+    right, left = middles[order[[0, 3]]]
+    hem, collar = sorted(middles[order[1:3]], key=lambda middle: middle[2])
+    np.testing.assert_allclose(right * [-1, 1, 1], left, atol=0.01)
+    assert 0.25 < left[0] < 0.40 and hem[2] < 1.0 < left[2] < collar[2]
+    np.testing.assert_allclose([hem[0], collar[0]], 0, atol=0.01)
+
+
+@pytest.mark.parametrize(("name", "size"), WORN)
+def test_seam_copies_coincide_in_space_and_not_in_uv(name, size):
+    garment = load_garment(name, size)
+    a, b = garment.seams.T
+    np.testing.assert_array_equal(garment.rest[a], garment.rest[b])
+    assert np.linalg.norm(garment.uv[a] - garment.uv[b], axis=1).min() > 0.025
+    assert len(np.unique(garment.seams)) == garment.seams.size
+    apart = np.delete(garment.rest, garment.seams[:, 1], axis=0)
+    assert cKDTree(apart).query(apart, k=2)[0][:, 1].min() > 0  # no seam is left unsewn
+
+
+@pytest.mark.parametrize(("name", "size"), EVERY)
+def test_no_slivers(name, size):
+    garment = load_garment(name, size)
+    corners = garment.rest[garment.faces].astype(np.float64)
+    lengths = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+    assert lengths.min() > 0.3 * np.median(lengths)
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
+    assert (2 * area / lengths.max(axis=1)).min() > 0.12 * np.median(lengths)
+
+
+@pytest.mark.parametrize(("name", "size"), EVERY)
+def test_uv_charts_fill_the_square_without_flips(name, size):
+    garment = load_garment(name, size)
+    assert garment.uv.min() > 0.02 and garment.uv.max() < 0.98
+    np.testing.assert_allclose(np.ptp(garment.uv, axis=0), 0.94, atol=1e-5)
+    area = twice_uv_area(garment)
+    assert area.min() > 0
+    charts = trimesh.graph.connected_components(directed_edges(garment.faces))
+    assert len(charts) == CHARTS[name]
+    corners = garment.rest[garment.faces].astype(np.float64)
+    cloth = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    stretch = area / cloth / (area.sum() / cloth.sum())
+    assert 0.1 < stretch.min() and stretch.max() < 2.0
+    low, high = np.percentile(stretch, [1, 99])
+    assert 0.4 < low and high < 1.6
+
+
+@pytest.mark.parametrize(("name", "size"), EVERY)
+def test_uv_triangles_do_not_overlap(name, size):
+    """Rastered: no texel's centre lies in two triangles."""
+    garment = load_garment(name, size)
+    texels = int(4 * np.sqrt(len(garment.faces)))
+    corners = garment.uv[garment.faces].astype(np.float64) * texels - 0.5
+    low = np.ceil(corners.min(axis=1))
+    reach = np.floor((corners.max(axis=1) - low).max(axis=0)).astype(int)
+    hits = np.zeros((texels, texels), int)
+    for step in np.ndindex(*reach + 1):
+        texel = low + step
+        inside = np.ones(len(low), bool)
+        for a, b in zip(corners.transpose(1, 2, 0), np.roll(corners, -1, axis=1).transpose(1, 2, 0)):
+            inside &= (b[0] - a[0]) * (texel[:, 1] - a[1]) - (b[1] - a[1]) * (texel[:, 0] - a[0]) > 1e-9
+        np.add.at(hits, tuple(texel[inside].astype(int).T), 1)
+    assert hits.max() == 1
+    assert hits.mean() == pytest.approx(twice_uv_area(garment).sum() / 2, abs=0.02)
+
+
+@pytest.mark.parametrize("body_size", ["small", "full"])
+@pytest.mark.parametrize(("name", "size"), WORN)
+def test_is_off_the_skin(name, size, body_size):
+    assert distances(load_garment(name, size), load_body("base", body_size).body).min() > 0.004
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_over_skirt_is_off_the_dress(size):
+    dress = load_garment("dress", size)
+    beneath = Body("dress", dress.rest, sewn(dress), kind="garment")
+    assert distances(load_garment("over_skirt", size), beneath).min() > 0.004
+
+
+@pytest.mark.parametrize(("name", "size"), WORN)
+def test_faces_outwards(name, size):
+    """Away from the nearest point of the body, on almost every face: a pleat's sides may turn a little inwards."""
+    garment, body = load_garment(name, size), load_body("base", "small").body
+    corners = garment.rest[garment.faces].astype(np.float64)
+    middles, normals = corners.mean(axis=1), np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    away = middles - body.rest[cKDTree(body.rest).query(middles)[1]]
+    assert (np.einsum("fc,fc->f", normals, away) > 0).mean() > 0.97
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_tshirt_is_loose_round_the_hips(size):
+    garment = load_garment("tshirt", size)
+    off = distances(garment, load_body("base", "small").body)
+    assert np.median(off[garment.rest[:, 2] < 1.05]) > 0.015
+
+
+@pytest.mark.parametrize(("name", "size"), WORN)
+def test_only_waistbands_are_held_by_pins(name, size):
+    garment = load_garment(name, size)
+    if name not in WAIST_HELD:
+        assert len(garment.pins) == 0
+        return
+    rest = garment.rest.astype(np.float64)
+    assert len(np.unique(garment.pins)) == len(garment.pins)
+    ring = max(border_loops(sewn(garment)), key=lambda loop: rest[loop, 2].mean())
+    assert set(ring) <= set(garment.pins)  # the whole upper edge ...
+    np.testing.assert_allclose(rest[ring, 2], WAIST_HELD[name], atol=0.003)
+    assert rest[garment.pins, 2].min() > WAIST_HELD[name] - 0.03  # ... and nothing below the waistband
+    copies = np.isin(garment.seams, garment.pins)
+    np.testing.assert_array_equal(copies[:, 0], copies[:, 1])
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_sheet_hangs_tangent_to_the_stick(size):
+    garment = load_garment("sheet", size)
+    assert distances(garment, stick()).min() > 0.003
+    pins = garment.rest[garment.pins].astype(np.float64)
+    off_axis = np.linalg.norm(pins[:, 1:] - [0, HEIGHT], axis=1)
+    assert (off_axis < RADIUS + 0.01).all()
+    assert len(garment.pins) == len(np.unique(garment.rest[:, 0])) and np.ptp(garment.rest[:, 1]) == 0
+
+
+@pytest.mark.parametrize("name", COUNTS)
+def test_card_says_what_the_files_hold(name):
+    card = (GARMENTS / "README.md").read_text().split(f"## {name}\n")[1].split("\n## ")[0]
+    for size in SIZES:
+        garment = load_garment(name, size)
+        mm = edge_lengths(garment.rest, unique_edges(sewn(garment))) * 1e3
+        edges = f"{mm.min():.0f} / {np.median(mm):.0f} / {mm.max():.0f}"
+        assert f"| {size} | {len(garment.rest):,} | {len(garment.faces):,} | {edges} |" in card
+    picture = f"cards/{name}.png"
+    assert picture in card and 0 < (GARMENTS / picture).stat().st_size < 100_000

@@ -1,0 +1,137 @@
+"""Scenes: every file in datasets/scenes, the grid they make up, and choosing among them as it is typed."""
+
+import pytest
+
+from garmentbench import paths
+from garmentbench.cli import main
+from garmentbench.errors import UsageError
+from garmentbench.motion import motion_names
+from garmentbench.scenes.bodies import body_names
+from garmentbench.scenes.choice import choose_scenes
+from garmentbench.scenes.garments import garment_names
+from garmentbench.scenes.scene import Scene, load_scene, scene_names
+
+GARMENTS = ("tshirt", "bodysuit", "pleated_skirt", "dress", "over_skirt")
+UNSEEN = ("armspace-60", "armspace-90", "catwalk", "strut", "fast", "dance-spin", "dance-bounce")
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_every_scene_holds_what_there_is(name):
+    scene = load_scene(name)
+    assert scene.garment in garment_names() and scene.body in {*body_names(), "stick"}
+    assert scene.motion.name in motion_names()
+    if not name.startswith(("stress-", "sheet-")):
+        assert name == "-".join([scene.garment, scene.motion.name, *([scene.body] if scene.body != "base" else [])])
+
+
+@pytest.mark.parametrize("garment", GARMENTS)
+def test_the_papers_grid_is_whole(garment):
+    """Trained on a walk and a dance of the base body; tested on every other motion, and on another body."""
+    walk, dance = load_scene(f"{garment}-armspace-75"), load_scene(f"{garment}-dance-latin")
+    assert (walk.split, dance.split, dance.frames) == ("train", "train", 495)
+    assert walk.frames == (900 if garment == "tshirt" else 300)
+    tests = [load_scene(f"{garment}-{motion}") for motion in UNSEEN]
+    tests += [load_scene(f"{garment}-{motion}-slim") for motion in (*UNSEEN, "dance-latin")]
+    assert {scene.split for scene in tests} == {"test"} and min(scene.frames for scene in tests) >= 100
+    assert all((scene.worn_over is not None) == (garment == "over_skirt") for scene in (walk, dance, *tests))
+
+
+def test_no_motion_of_the_base_body_is_in_both_splits():
+    """... of a garment; stress cases and training scenes share none either."""
+    seen: dict[tuple, set[str]] = {}
+    for scene in map(load_scene, scene_names()):
+        seen.setdefault((scene.garment, scene.body, scene.motion.name), set()).add(scene.split)
+    assert [key for key, splits in seen.items() if len(splits) > 1] == []
+
+
+@pytest.mark.parametrize(
+    ("words", "names"),
+    [
+        (["sheet-*"], ["sheet-stick-a", "sheet-stick-b"]),
+        (["sheet-*", "split=train"], ["sheet-stick-a"]),
+        (["garment=sheet"], ["sheet-stick-a", "sheet-stick-b"]),
+        (["garment=tshirt", "motion=dance-*", "body=slim"],
+         ["tshirt-dance-bounce-slim", "tshirt-dance-latin-slim", "tshirt-dance-spin-slim"]),
+        (["tshirt-run", "tshirt-r*", "tshirt-jump"], ["tshirt-run", "tshirt-jump"]),
+    ],
+)  # fmt: skip
+def test_words_choose_scenes(words, names):
+    assert choose_scenes(words) == names
+
+
+def test_no_words_choose_all():
+    assert choose_scenes([]) == scene_names()
+
+
+@pytest.mark.parametrize(
+    ("words", "complaint"),
+    [(["x-*"], "no scene fits 'x-*'"), (["bdy=slim"], "did you mean 'body'"), (["tshirt-rn"], "did you mean 'tshirt-run'"),
+     (["garment=cape"], "no scene fits garment=cape")],
+)  # fmt: skip
+def test_words_that_fit_nothing_are_told(words, complaint):
+    with pytest.raises(UsageError) as error:
+        choose_scenes(words)
+    assert complaint in str(error.value)
+
+
+def typed(capsys, *arguments: str) -> tuple[int, str, str]:
+    return main(arguments), *capsys.readouterr()
+
+
+def test_scenes_lists_by_filter_and_shows_by_name(capsys):
+    code, out, _ = typed(capsys, "scenes", "garment=sheet", "split=test")
+    assert code == 0 and [line.split()[0] for line in out.splitlines()] == ["scene", "sheet-stick-b"]
+    code, shown, _ = typed(capsys, "scenes", "show", "tshirt-run")
+    assert code == 0 and "motion: run\n" in shown and "left out: pins" in shown
+    assert typed(capsys, "scenes", "tshirt-run") == (0, shown, "")
+    code, out, _ = typed(capsys, "scenes", "show", "stress-far")
+    assert "motion: armspace-90, translate (1000.0, 0.0, 0.0), turn 90.0\n" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["scenes", "show"], "which scene?"),
+        (["scenes", "show", "tshirt-rn"], "did you mean 'tshirt-run'"),
+        (["simulate", "tshirt-rn*"], "no scene fits 'tshirt-rn*'"),
+        (["simulate", "--all", "--jobs", "0"], "--jobs is 0; wanted at least 1"),
+        (["bodies", "bake"], "--name mine"),
+        (["bodies", "bake", "--name", "mine", "--height", "3"], "--height is 3; wanted from 0 to 1"),
+        (["bodies", "bak"], "bak"),
+    ],
+)
+def test_wrong_calls(capsys, arguments, complaint):
+    code, out, err = typed(capsys, *arguments)
+    assert code == 2 and out == "" and complaint in err and len(err.splitlines()) == 1
+
+
+def test_bodies_lists_height_and_volume(capsys):
+    code, out, _ = typed(capsys, "bodies")
+    rows = {line.split()[0]: line.split()[1:] for line in out.splitlines()[1:]}
+    assert code == 0 and rows["base"][0] == "1.838" and float(rows["slim"][1]) < float(rows["heavy"][1])
+
+
+def test_many_scenes_are_simulated_at_once_and_kept(tmp_path, monkeypatch, capsys):
+    """Each in a process of its own, which writes where this one would; those that fail are told."""
+    monkeypatch.setattr("garmentbench.reference.make_sequence", _pretend)
+    monkeypatch.setattr(paths, "GENERATED", tmp_path)
+    code, out, _ = typed(capsys, "simulate", "sheet-*", "--preset", "smoke", "--jobs", "2")
+    assert code == 0 and out.splitlines() == ["smoke/sheet-stick-a", "smoke/sheet-stick-b"]
+    code, _, err = typed(capsys, "simulate", "tshirt-run", "sheet-stick-a", "--preset", "smoke", "--jobs", "2")
+    assert (
+        code == 1 and "1 of 2 failed, the first: simulate tshirt-run: ValueError: no T-shirts" in err.splitlines()[-1]
+    )
+
+
+def _pretend(name: str, preset) -> str:
+    if load_scene(name).garment == "tshirt":
+        raise ValueError("no T-shirts")
+    return f"{preset.name}/{name}"
+
+
+def test_a_scene_is_a_file_of_five_lines(tmp_path):
+    (tmp_path / "mine.toml").write_text(
+        'garment = "tshirt"\nbody = "tall"\nmotion = "jump"\nsplit = "test"\nframes = 30\n'
+    )
+    scene = load_scene(choose_scenes([str(tmp_path / "mine.toml")])[0])
+    assert isinstance(scene, Scene) and (scene.name, scene.body, scene.motion.name) == ("mine", "tall", "jump")

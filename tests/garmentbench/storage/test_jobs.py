@@ -1,0 +1,78 @@
+"""The job runner: order, failures, and what a listener hears."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from garmentbench.storage.jobs import Failure, Job, _urgency, run_jobs
+
+
+def add(*numbers: int) -> int:
+    return sum(numbers)
+
+
+def fail(*_: int) -> int:
+    raise ValueError("no such luck")
+
+
+def sleep_forever(mark: str) -> None:
+    Path(mark).write_text(str(os.getpid()))
+    time.sleep(600)
+
+
+def test_results_flow_along_needs_and_a_failure_takes_only_its_own_chain_along():
+    jobs = [
+        Job(("a",), "a", add, arguments=(1, 2)),
+        Job(("b",), "b", add, needs=(("a",),), arguments=(10,)),
+        Job(("bad",), "bad", fail, needs=(("a",),)),
+        Job(("after",), "after", add, needs=(("bad",), ("b",))),
+        Job(("end",), "end", add, needs=(("b",), ("a",))),
+    ]
+    results = run_jobs({j.key: j for j in jobs}, workers=2)
+    assert results[("b",)] == 13
+    assert results[("end",)] == 16
+    assert results[("bad",)] == Failure("bad", "ValueError: no such luck")
+    assert isinstance(results[("after",)], Failure)
+
+
+def test_a_worker_that_dies_is_a_failure_and_not_a_hang():
+    jobs = [Job(("dies",), "dies", os._exit, arguments=(3,)), Job(("after",), "after", add, needs=(("dies",),))]
+    results = run_jobs({j.key: j for j in jobs}, workers=1)
+    assert "worker died" in results[("dies",)].message
+    assert isinstance(results[("after",)], Failure)
+
+
+def test_urgency_is_the_cost_of_the_longest_chain():
+    jobs = [
+        Job(("a",), "a", add, cost=1),
+        Job(("b",), "b", add, needs=(("a",),), cost=5),
+        Job(("c",), "c", add, needs=(("a",),), cost=2),
+    ]
+    assert _urgency({j.key: j for j in jobs}) == {("a",): 6, ("b",): 5, ("c",): 2}
+
+
+def test_ctrl_c_ends_the_workers(tmp_path):
+    mark = tmp_path / "pid"
+    code = (
+        "from garmentbench.storage.jobs import Job, run_jobs\nfrom tests.garmentbench.storage.test_jobs import sleep_forever\n"
+        f"if __name__ == '__main__': run_jobs({{1: Job((1,), 'sleeper', sleep_forever, arguments=({str(mark)!r},))}}, 1)"
+    )
+    script = tmp_path / "main.py"
+    script.write_text(code)
+    root = str(Path(__file__).resolve().parents[3])
+    parent = subprocess.Popen(
+        [sys.executable, script], env=os.environ | {"PYTHONPATH": root}, stderr=subprocess.DEVNULL
+    )
+    deadline = time.monotonic() + 60
+    while not (mark.exists() and mark.read_text()) and time.monotonic() < deadline:
+        time.sleep(0.1)
+    parent.send_signal(signal.SIGINT)
+    assert parent.wait(20) != 0
+    time.sleep(0.5)
+    with pytest.raises(ProcessLookupError):
+        os.kill(int(mark.read_text()), 0)
