@@ -64,7 +64,7 @@ def process(home: Path, *arguments: str, before: str = "") -> subprocess.Popen:
         f"from garmentbench.cli import main\nsys.exit(main({list(arguments)!r}))"
     )
     env = os.environ | {
-        "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), str(paths.ROOT)]),
+        "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[1] / "helpers"), str(paths.ROOT)]),
         "OMP_NUM_THREADS": "1",
     }
     return subprocess.Popen(
