@@ -42,4 +42,4 @@ $(BIN)/.installed-test: $(BIN)/.installed
 	touch $@
 
 clean:
-	rm -rf runs datasets/generated
+	rm -rf runs sequences

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from garmentbench import paths
 from garmentbench import pipeline as work
 from garmentbench.errors import UserError, unknown_name
 from garmentbench.evals import EXPERIMENTS, STUDIES
@@ -15,7 +16,6 @@ from garmentbench.evals.rows import about, failed_row, merged, write_results
 from garmentbench.evals.stability import UNSTRESSED, method_measures, simulator_measures
 from garmentbench.evals.study import finished_rows
 from garmentbench.evaluation.rollout import RollOut
-from garmentbench.paths import REPORTS, RUNS
 from garmentbench.report.card import read_card
 from garmentbench.scenes.presets import Preset
 from garmentbench.scenes.scene import Scene, load_scene
@@ -69,16 +69,16 @@ def run(names: list[str], preset: Preset, seeds: int, data_only: bool = False) -
         ]
         rows += [row for study in studies for row in study.rows(preset, results)]
         rows += _data_rows(results)
-        path = REPORTS / preset.name / "results.csv"
+        path = paths.reports() / preset.name / "results.csv"
         if names:
             rows = merged(path, rows, [study.name for study in studies])
         else:
             rows += [row for study in STUDIES.values() if study not in studies for row in finished_rows(study, preset)]
         write_results(path, rows)
-        from garmentbench.report import make_report  # matplotlib is not for the workers
+        from garmentbench.evals.report import make_report  # matplotlib is not for the workers
 
-        make_report(preset.name, REPORTS, RUNS)
-        print(f"report: {REPORTS / preset.name / 'index.html'}")
+        make_report(preset.name, paths.reports(), paths.runs())
+        print(f"report: {path.with_name('index.html')}")
     failed = [r for r in results.values() if isinstance(r, Failure)]
     if failed:
         raise UserError(f"{len(failed)} of {len(jobs)} jobs failed, the first: {failed[0].label}: {failed[0].message}")

@@ -3,23 +3,29 @@
 0: done. 1: a file, a mesh or the machine is wrong. 2: the call is wrong. 130: Ctrl-C.
 """
 
+import argparse
 import contextlib
 import difflib
 import io
 import os
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import fields
 from functools import reduce
 from operator import or_
 from typing import Annotated
 
 import garmentbench
+from garmentbench import paths
 from garmentbench.commands import COMMANDS, Command
 from garmentbench.errors import UsageError, UserError, unknown_name
+from garmentbench.paths import HOME_VARIABLE
 
 DESCRIPTION = """A benchmark of learned garment dynamics.
+
+Runs, sequences and reports go to the working folder, or with --home DIR (or the environment variable GARMENTBENCH_HOME)
+to another one.
 
 Example: garmentbench evals --preset smoke"""
 
@@ -37,7 +43,8 @@ def _run(arguments: list[str]) -> int:
         if arguments == ["--version"]:
             print(f"garmentbench {garmentbench.__version__}")
         else:
-            parse(arguments or ["--help"]).run()
+            with _home(arguments) as rest:
+                parse(rest or ["--help"]).run()
         sys.stdout.flush()
     except UserError as e:
         print(f"garmentbench: {e}", file=sys.stderr)
@@ -49,6 +56,29 @@ def _run(arguments: list[str]) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     return 0
+
+
+@contextlib.contextmanager
+def _home(arguments: list[str]) -> Iterator[list[str]]:
+    """Take `--home DIR` out of the arguments, wherever it stands, and obey it; gives the others."""
+    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False, exit_on_error=False)
+    parser.add_argument("--home")
+    try:
+        known, rest = parser.parse_known_args(arguments)
+    except argparse.ArgumentError:
+        raise UsageError("--home: wanted a folder after it, for runs, sequences and reports") from None
+    before = os.environ.get(HOME_VARIABLE)
+    try:
+        if known.home is not None:
+            os.environ[HOME_VARIABLE] = os.path.abspath(known.home)
+        if paths.home().is_file():
+            raise UsageError(f"--home: {paths.home()} is a file; wanted a folder, for runs, sequences and reports")
+        yield rest
+    finally:
+        if before is None:
+            os.environ.pop(HOME_VARIABLE, None)
+        else:
+            os.environ[HOME_VARIABLE] = before
 
 
 def parse(arguments: list[str]) -> Command:

@@ -1,16 +1,45 @@
-"""Where things lie. Assets and scenes lie beside the package; runs, sequences and reports in the working folder."""
+"""Where files lie: the benchmark's own data inside the package, everything that is made below the home folder.
 
+The home folder is `--home DIR`, else the environment variable GARMENTBENCH_HOME, else the working folder. It is asked
+for at every call, so that a notebook or a test may change it.
+"""
+
+import os
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
-SCENES = ROOT / "datasets" / "scenes"
-BODIES = ROOT / "datasets" / "bodies"
-GARMENTS = ROOT / "datasets" / "garments"
-GENERATED = ROOT / "datasets" / "generated"
-RUNS = ROOT / "runs"
-REPORTS = ROOT / "reports"
+HOME_VARIABLE = "GARMENTBENCH_HOME"  # worker processes inherit it
+PACKAGE = Path(__file__).resolve().parent
+DATASETS = PACKAGE / "datasets"
+SCENES = DATASETS / "scenes"
+BODIES = DATASETS / "bodies"
+GARMENTS = DATASETS / "garments"
 
 
-def sequence_path(preset: str, scene: str) -> Path:
-    """The generated sequence of a scene at a preset."""
-    return GENERATED / preset / f"{scene}.h5"
+def home() -> Path:
+    """The folder below which runs, sequences and reports go."""
+    return Path(os.environ.get(HOME_VARIABLE) or Path.cwd())
+
+
+def runs() -> Path:
+    """The folder of all runs."""
+    return home() / "runs"
+
+
+def sequences() -> Path:
+    """The folder of all simulated sequences."""
+    return home() / "sequences"
+
+
+def reports() -> Path:
+    """The folder of all reports, one folder a preset in it."""
+    return home() / "reports"
+
+
+def own_bodies() -> Path:
+    """The folder of the user's own bodies."""
+    return home() / "bodies"
+
+
+def sequence_path(mesh: str, scene: str) -> Path:
+    """The simulated sequence of a scene at a mesh size."""
+    return sequences() / mesh / f"{scene}.h5"

@@ -8,7 +8,8 @@ from pathlib import Path
 from garmentbench import sequence_file
 from garmentbench.device import has_cuda, quiet_warp
 from garmentbench.errors import UserError
-from garmentbench.paths import BODIES, GARMENTS, sequence_path
+from garmentbench.paths import GARMENTS, sequence_path
+from garmentbench.scenes.bodies import body_file, body_names
 from garmentbench.scenes.presets import Preset
 from garmentbench.scenes.scene import Scene, inner_scene, load_scene
 from garmentbench.sequence import Needs, Sequence, Template
@@ -56,7 +57,7 @@ def _assets(scene: Scene, preset: Preset) -> list[Path]:
     from garmentbench.motion.stick import STICK
 
     shapes = () if scene.body == STICK else sorted({scene.body, DRESSED})
-    bodies = (BODIES / f"{shape}-{preset.body_size}.npz" for shape in shapes)
+    bodies = (body_file(shape, preset.body_size) for shape in shapes if shape in body_names())
     clip = [] if scene.motion.file is None else [Path(scene.motion.file)]
     return [p for p in (GARMENTS / f"{scene.garment}-{preset.name}.npz", *bodies, *clip) if p.is_file()]
 

@@ -3,7 +3,19 @@
 import os
 import signal
 
+import pytest
+
+from garmentbench.paths import HOME_VARIABLE
+
 os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
+os.environ.pop(HOME_VARIABLE, None)  # no test writes where the user keeps results
 
 # A shell ignores Ctrl-C in what it starts in the background, and processes inherit that: the tests of Ctrl-C would fail there.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.fixture
+def home(tmp_path, monkeypatch):
+    """An empty home folder for runs, sequences and reports, which is the working folder too."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path

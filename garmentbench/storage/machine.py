@@ -10,7 +10,7 @@ from importlib import metadata
 from pathlib import Path
 
 import garmentbench
-from garmentbench.paths import ROOT
+from garmentbench.paths import PACKAGE
 
 PACKAGES = ("torch", "numpy", "scipy", "warp-lang", "h5py", "rerun-sdk")
 
@@ -49,10 +49,13 @@ def packages() -> dict[str, str]:
 
 def code_version() -> str:
     """garmentbench's version, with the commit where it runs from a checkout ("0.1.0+d359df5", "-dirty" if edited)."""
-    git = ["git", "-C", str(ROOT), "describe", "--always", "--dirty", "--exclude=*"]
+    checkout = PACKAGE.parent
+    if not (checkout / ".git").exists():  # installed, perhaps below somebody else's repository
+        return garmentbench.__version__
+    git = ["git", "-C", str(checkout), "describe", "--always", "--dirty", "--exclude=*"]
     try:
         commit = subprocess.run(git, capture_output=True, text=True, check=True, timeout=10).stdout.strip()
-    except (OSError, subprocess.SubprocessError):  # no git, or no checkout: the version says it all
+    except (OSError, subprocess.SubprocessError):  # no git
         return garmentbench.__version__
     return f"{garmentbench.__version__}+{commit}"
 

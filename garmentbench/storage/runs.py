@@ -166,10 +166,10 @@ class Run:
 
 
 class RunStore:
-    """All runs below a folder (`paths.RUNS`, if none is given)."""
+    """All runs below a folder (`paths.runs()`, if none is given)."""
 
     def __init__(self, root: Path | None = None) -> None:
-        self.root = paths.RUNS if root is None else root
+        self.root = paths.runs() if root is None else root
 
     def open(self, kind: str, identity: dict) -> Run:
         """The run of that identity, to be worked on unless it is finished.

@@ -5,15 +5,15 @@ import sys
 import numpy as np
 import pytest
 
-from garmentbench.paths import GARMENTS, ROOT
+from garmentbench.paths import DATASETS, GARMENTS
 
 
 @pytest.fixture(autouse=True, scope="module")
 def bake_folder():
     """datasets/bake on the path: its scripts import each other by name."""
-    sys.path.insert(0, str(ROOT / "datasets" / "bake"))
+    sys.path.insert(0, str(DATASETS / "bake"))
     yield
-    sys.path.remove(str(ROOT / "datasets" / "bake"))
+    sys.path.remove(str(DATASETS / "bake"))
 
 
 def circle(count: int, radius: float) -> np.ndarray:

@@ -24,15 +24,6 @@ SCENE = 'garment = "tshirt"\nbody = "base"\nmotion = "armspace-75"\nsplit = "tra
 
 
 @pytest.fixture
-def home(tmp_path, monkeypatch):
-    """An empty place for runs and sequences."""
-    for name in ("RUNS", "GENERATED", "REPORTS"):
-        monkeypatch.setattr(paths, name, tmp_path / name.lower())
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-@pytest.fixture
 def tiny(home, monkeypatch):
     """A scene whose sequence is there already, a tiny one, and methods that are wrong. The scene's path."""
     (home / "tiny.toml").write_text(SCENE)
@@ -59,12 +50,11 @@ def evaluate(method: str, scene: str) -> tuple[str, ...]:
 def process(home: Path, *arguments: str, before: str = "") -> subprocess.Popen:
     """The command line in a process of its own, its data in `home`; `before` is run first."""
     code = (
-        "import sys\nfrom pathlib import Path\nfrom garmentbench import paths\n"
-        f"paths.RUNS, paths.GENERATED = Path({str(home / 'runs')!r}), Path({str(home / 'generated')!r})\n{before}\n"
-        f"from garmentbench.cli import main\nsys.exit(main({list(arguments)!r}))"
+        f"import sys\n{before}\nfrom garmentbench.cli import main\n"
+        f"sys.exit(main({['--home', str(home), *arguments]!r}))"
     )
     env = os.environ | {
-        "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[1] / "helpers"), str(paths.ROOT)]),
+        "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[1] / "helpers"), str(paths.PACKAGE.parent)]),
         "OMP_NUM_THREADS": "1",
     }
     return subprocess.Popen(
@@ -76,13 +66,47 @@ def test_help_lists_all_commands_and_loads_nothing_heavy():
     code = (
         "import sys\nfrom garmentbench.cli import main\ntry: main(['--help'])\nexcept SystemExit: print(*sys.modules)"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=paths.ROOT, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, cwd=paths.PACKAGE.parent, check=True
+    )
     assert all(name in done.stdout for name in COMMANDS)
     assert not {"torch", "numpy", "warp", "rerun", "h5py", "matplotlib", "pandas"} & set(done.stdout.split())
 
 
 def test_version(capsys):
     assert typed(capsys, "--version") == (0, f"garmentbench {__version__}\n", [])
+
+
+def test_it_is_a_module_too(home):
+    command = [sys.executable, "-m", "garmentbench", "--version"]
+    env = os.environ | {"PYTHONPATH": str(paths.PACKAGE.parent)}
+    done = subprocess.run(command, capture_output=True, text=True, cwd=home, env=env, check=True)
+    assert done.stdout == f"garmentbench {__version__}\n"
+
+
+@pytest.mark.parametrize("place", ["before", "after", "with =", "in the environment"])
+def test_the_home_folder_is_the_user_s_choice(home, capsys, monkeypatch, place):
+    words = {
+        "before": ("--home", "there", "runs"),
+        "after": ("runs", "--home", "there"),
+        "with =": ("runs", "--home=there"),
+    }
+    if place == "in the environment":
+        monkeypatch.setenv(paths.HOME_VARIABLE, str(home / "there"))
+    code, out, _ = typed(capsys, *words.get(place, ("runs",)))
+    assert code == 0 and out == f"no runs in {home / 'there' / 'runs'} yet\n"
+    monkeypatch.delenv(paths.HOME_VARIABLE, raising=False)
+    assert typed(capsys, "runs")[1] == f"no runs in {home / 'runs'} yet\n"
+
+
+def test_a_home_that_is_a_file_is_refused(home, capsys):
+    (home / "file").write_text("")
+    for words, complaint in (
+        (("--home", "file"), "is a file; wanted a folder"),
+        (("--home",), "--home: wanted a folder"),
+    ):
+        code, _, lines = typed(capsys, "runs", *words)
+        assert code == 2 and len(lines) == 1 and complaint in lines[0]
 
 
 @pytest.mark.parametrize("name", COMMANDS)
@@ -282,7 +306,7 @@ def test_a_disk_that_fills_leaves_no_result_that_looks_whole(tiny, home, capsys,
 def test_ctrl_c_in_a_simulation_then_the_same_command(home):
     command = ("simulate", "sheet-stick-a", "--preset", "smoke")
     first = process(home, *command)
-    lock = home / "generated" / "smoke" / "sheet-stick-a.lock"
+    lock = home / "sequences" / "smoke" / "sheet-stick-a.lock"
     end = time.monotonic() + 60
     while not (lock.is_file() and lock.read_text()):
         assert time.monotonic() < end and first.poll() is None

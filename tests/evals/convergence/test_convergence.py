@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from garmentbench import paths
 from garmentbench.evals.convergence import study as convergence
 from garmentbench.evals.convergence.study import VARIANTS, distances, simulate_variant
 from garmentbench.evals.convergence.table import CHOSEN, FINEST, observed_order
@@ -69,7 +68,7 @@ def test_what_is_compared_with_what():
 def results(tmp_path_factory):
     """A study of the smallest sheet, really run, but for one run that failed."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(paths, "RUNS", tmp_path_factory.mktemp("runs"))
+        patch.chdir(tmp_path_factory.mktemp("home"))
         patch.setattr(convergence, "SCENES", (SHEET,))
         made = {
             ("convergence", SHEET, name): simulate_variant(SHEET, SMOKE, variant)

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from garmentbench import paths
 from garmentbench.errors import UserError
 from garmentbench.evals import STUDIES
 from garmentbench.evals.crosscheck import study as crosscheck
@@ -30,7 +29,7 @@ def engine(monkeypatch, tmp_path):
         assert len(obstacle.positions) == frames
         return VbdRun(np.tile(start.astype(np.float32), (frames, 1, 1)), 600.0)
 
-    monkeypatch.setattr(paths, "RUNS", tmp_path / "runs")
+    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("garmentbench.reference.sequence_path", lambda preset, scene: tmp_path / f"{scene}.h5")
     monkeypatch.setattr(crosscheck, "SCENES", (SHEET,))
     monkeypatch.setattr(crosscheck, "drive_vbd", stay)
@@ -75,7 +74,7 @@ def test_a_comparison_that_failed_keeps_its_row(engine):
 
 def test_without_newton_nothing_is_begun(monkeypatch, tmp_path):
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    monkeypatch.setattr("garmentbench.evals.run.REPORTS", tmp_path)
+    monkeypatch.chdir(tmp_path)
     with pytest.raises(UserError, match="pip install"):
         run(["crosscheck"], SMOKE, 1)
     assert not list(tmp_path.iterdir())

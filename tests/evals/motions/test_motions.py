@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from garmentbench import paths
 from garmentbench.errors import UserError
 from garmentbench.evals.motions import study as motions
 from garmentbench.evals.motions.distribution import _upright, embed, nearest_cm, poses
@@ -60,7 +59,7 @@ def study(tmp_path_factory):
     """The study of a few scenes, really run: the folder of runs and reports, its run, its rows."""
     with pytest.MonkeyPatch.context() as patch:
         root = tmp_path_factory.mktemp("motions")
-        patch.setattr(paths, "RUNS", root / "runs")
+        patch.chdir(root)
         patch.setattr(motions, "choose_scenes", lambda words: list(KEPT))
         made = motions.distribute(SMOKE)
         rows = motions.STUDY.rows(SMOKE, {motions.KEY: made})

@@ -1,28 +1,19 @@
 """Bodies of any shape. Where Anny is installed, its base and slim bodies are those that are baked; the rest needs no Anny."""
 
 import importlib.util
-import shutil
 
 import numpy as np
 import pytest
 
 from garmentbench.errors import UsageError, UserError
-from garmentbench.scenes import anny_bodies, bodies
+from garmentbench.paths import BODIES
+from garmentbench.scenes import anny_bodies
 from garmentbench.scenes.anny_bodies import Phenotype, bake_body
 from garmentbench.scenes.bodies import body_names, load_body
 
 needs_anny = pytest.mark.skipif(
     importlib.util.find_spec("anny") is None, reason="Anny is not installed (pip install anny)"
 )
-
-
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    """A copy of the baked bodies."""
-    shutil.copytree(bodies.BODIES, tmp_path / "bodies")
-    for module in (bodies, anny_bodies):
-        monkeypatch.setattr(module, "BODIES", tmp_path / "bodies")
-    return tmp_path / "bodies"
 
 
 @pytest.fixture
@@ -46,7 +37,7 @@ def test_the_slim_body_is_the_base_body_carried():
 
 
 def test_a_mesh_that_turns_inside_out_is_refused():
-    with np.load(bodies.BODIES / "base-small.npz") as data:
+    with np.load(BODIES / "base-small.npz") as data:
         base = dict(data)
     anny_bodies._check("mine", base["rest"] * [1.1, 1.0, 0.9], base)
     with pytest.raises(UserError, match="'mine' turns inside out"):
@@ -62,21 +53,21 @@ def test_a_mesh_that_turns_inside_out_is_refused():
         ("", Phenotype(), "wanted letters, digits and _"),
     ],
 )
-def test_wrong_calls(folder, without_anny, name, shape, complaint):
+def test_wrong_calls(home, without_anny, name, shape, complaint):
     with pytest.raises(UsageError, match=complaint):
         bake_body(name, shape)
 
 
-def test_without_anny_there_is_advice(folder, without_anny):
+def test_without_anny_there_is_advice(home, without_anny):
     with pytest.raises(UserError, match="Anny is not installed.*pip install anny"):
         bake_body("mine", Phenotype())
     assert "mine" not in body_names()
 
 
 @needs_anny
-def test_a_baked_body_is_whole_and_of_its_shape(folder):
+def test_a_baked_body_is_whole_and_of_its_shape(home):
     paths = bake_body("mine", Phenotype(muscle=0.4, weight=0.15))
-    assert [path.name for path in paths] == ["mine-full.npz", "mine-small.npz"] and "mine" in body_names()
+    assert paths == [home / "bodies" / "mine-full.npz", home / "bodies" / "mine-small.npz"] and "mine" in body_names()
     for size in ("full", "small"):
         mine, slim = load_body("mine", size), load_body("slim", size)
         np.testing.assert_allclose(mine.body.rest, slim.body.rest, atol=1e-4)

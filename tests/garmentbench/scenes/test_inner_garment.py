@@ -65,7 +65,7 @@ def test_identity_depends_on_the_scene_beneath_and_on_the_bodies_that_are_used(s
     before = sequence_identity(scenes(), SMOKE)
     assert sequence_identity(scenes(inner=INNER + "[material]\nfriction = 0.5\n"), SMOKE) != before
     assert sequence_identity(scenes(), SMOKE) == before
-    monkeypatch.setattr("garmentbench.reference.BODIES", tmp_path)
+    monkeypatch.setattr("garmentbench.paths.BODIES", tmp_path)
     for name in ("base", "slim"):
         (tmp_path / f"{name}-small.npz").write_bytes(b"1")
     first = sequence_identity(scenes(), SMOKE)

@@ -2,7 +2,6 @@
 
 import pytest
 
-from garmentbench import paths
 from garmentbench.cli import main
 from garmentbench.errors import UsageError
 from garmentbench.motion import motion_names
@@ -114,7 +113,7 @@ def test_bodies_lists_height_and_volume(capsys):
 def test_many_scenes_are_simulated_at_once_and_kept(tmp_path, monkeypatch, capsys):
     """Each in a process of its own, which writes where this one would; those that fail are told."""
     monkeypatch.setattr("garmentbench.reference.make_sequence", _pretend)
-    monkeypatch.setattr(paths, "GENERATED", tmp_path)
+    monkeypatch.chdir(tmp_path)
     code, out, _ = typed(capsys, "simulate", "sheet-*", "--preset", "smoke", "--jobs", "2")
     assert code == 0 and out.splitlines() == ["smoke/sheet-stick-a", "smoke/sheet-stick-b"]
     code, _, err = typed(capsys, "simulate", "tshirt-run", "sheet-stick-a", "--preset", "smoke", "--jobs", "2")

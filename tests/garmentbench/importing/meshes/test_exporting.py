@@ -74,9 +74,7 @@ def test_a_folder_that_can_not_be_written_to(tmp_path):
 
 
 def test_unknown_things_are_named(tmp_path, capsys, monkeypatch):
-    from garmentbench import paths
-
-    monkeypatch.setattr(paths, "RUNS", tmp_path / "runs")
+    monkeypatch.chdir(tmp_path)
     code, _, complaints = typed(capsys, "export", "nothing", "--to", "usd", "--out", str(tmp_path))
     assert code == 2 and len(complaints) == 1 and "nothing" in complaints[0]
     code, _, complaints = typed(capsys, "export", "a.h5", "--to", "fbx", "--out", str(tmp_path))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from exchange_example import MESHES, SEQUENCE, as_film, imported, positions_agree, typed
 
-from garmentbench import paths, sequence_file
+from garmentbench import sequence_file
 from garmentbench.errors import UsageError, UserError
 from garmentbench.evaluation.rollout import RollOut
 from garmentbench.importing.meshes.arrays import write_npz
@@ -18,14 +18,6 @@ from garmentbench.importing.meshes.pc2 import write_pc2
 
 CLOTH, BODY = MESHES["garment"], MESHES["body"]
 PLAIN = Wanted("x", Given("m", "z", 25.0))
-
-
-@pytest.fixture
-def home(tmp_path, monkeypatch):
-    for name in ("RUNS", "GENERATED", "REPORTS"):
-        monkeypatch.setattr(paths, name, tmp_path / name.lower())
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
 
 
 def film(folder):
@@ -124,7 +116,7 @@ def test_from_import_to_evaluation(home, capsys):
     code, out, _ = typed(capsys, "export", run, "--to", "npz", "--out", "back", "--sequence", "test.h5")
     assert code == 0 and out.splitlines() == ["back/garment.npz", "back/body.npz"]
     with np.load(home / "back" / "garment.npz") as arrays:
-        np.testing.assert_array_equal(arrays["positions"], RollOut.load(paths.RUNS / run / "rollout.h5").garment)
+        np.testing.assert_array_equal(arrays["positions"], RollOut.load(home / "runs" / run / "rollout.h5").garment)
     code, _, complaints = typed(capsys, "train", "skinning", "--scene", "nothing.h5", *small)
     assert code == 1 and "nothing.h5: no such file" in complaints[0]
 

@@ -12,11 +12,11 @@ from garmentbench.importing.motions.findings import arms_inside, findings, foot_
 from garmentbench.importing.motions.load import Loaded, load_clip
 from garmentbench.motion.clip import Clip
 from garmentbench.motion.legs import unit
-from garmentbench.paths import ROOT
+from garmentbench.paths import PACKAGE
 from garmentbench.scenes.bodies import joint_positions, load_body
 from garmentbench.scenes.scene import Motion
 
-MOCAP = ROOT.parent / "shared" / "data" / "mocap"
+MOCAP = PACKAGE.parents[1] / "shared" / "data" / "mocap"
 BASE = load_body("base", "small")
 CLIPS = {  # what they are known to be: convention, unit, frames at 30 a second, person's height [m]
     "05_20-mb": ("CMU for MotionBuilder", "CMU's 5.64 cm", 274, 1.67),

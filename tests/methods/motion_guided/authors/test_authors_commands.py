@@ -6,7 +6,7 @@ import torch
 from authors_example import Z_UP, write_release
 from authors_networks import Change, Decoder, Encoder, Relative
 
-from garmentbench import paths, sequence_file
+from garmentbench import sequence_file
 from garmentbench.cli import main
 from garmentbench.evaluation.rollout import RollOut
 from garmentbench.storage.runs import RunStore
@@ -15,8 +15,6 @@ from garmentbench.storage.runs import RunStore
 @pytest.fixture
 def home(tmp_path, monkeypatch):
     """Data and two checkpoints, and an empty place for runs."""
-    for name in ("RUNS", "GENERATED", "REPORTS"):
-        monkeypatch.setattr(paths, name, tmp_path / name.lower())
     monkeypatch.chdir(tmp_path)
     write_release(tmp_path / "walk_75", Z_UP, frames=8)
     torch.manual_seed(0)
