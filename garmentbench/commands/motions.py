@@ -54,33 +54,25 @@ class ImportMotion:
     def _retarget(self) -> None:
         from garmentbench.device import one_thread, quiet_warp
         from garmentbench.importing.motions.findings import findings
-        from garmentbench.importing.motions.load import load_clip
-        from garmentbench.motion.clip_file import save_clip
+        from garmentbench.importing.motions.load import Choices, import_clip
+        from garmentbench.motion.clip import save_clip
         from garmentbench.scenes.bodies import load_body
-        from garmentbench.scenes.scene import Motion
 
         one_thread()
         quiet_warp()
         baked = load_body(self.body, "small")
-        motion = Motion(
-            "clip",
-            file=str(self.file),
-            start=self.start,
-            stop=self.stop,
-            arm_space=self.arm_space,
-            map=_name_map(self.map),
-        )
-        loaded = load_clip(motion, baked, self.fps)
-        for line in findings(loaded, baked):
+        choices = Choices(self.start, self.stop, self.arm_space, _name_map(self.map))
+        imported = import_clip(self.file, baked, self.fps, choices)
+        for line in findings(imported, baked):
             print(line)
         if self.out is not None:
             notes = f"{self.file.name}, {self.start:g} s to {'its end' if self.stop is None else f'{self.stop:g} s'}, on {self.body}"
-            save_clip(loaded.clip, baked.joint_names, notes, self.out)
+            save_clip(imported.clip, baked.joint_names, notes, self.out)
             print(self.out)
         if self.picture is not None:
             from garmentbench.importing.motions.sheet import contact_sheet
 
-            contact_sheet(loaded.clip, baked, self.picture)
+            contact_sheet(imported.clip, baked, self.picture)
             print(self.picture)
 
     def _write_own_body(self) -> None:

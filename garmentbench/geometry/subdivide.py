@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from garmentbench.geometry.weld import weld
 from garmentbench.sequence import Garment
 
 
@@ -40,8 +41,6 @@ def _edges(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _middle_seams(edges: np.ndarray, middles: np.ndarray, seams: np.ndarray, count: int) -> np.ndarray:
     """Pairs of middles, shape (S, 2), of edges that are the same line of cloth: both their ends are joined by seams."""
-    from garmentbench.simulation.assembly import weld
-
     particle, _ = weld(count, seams)
     lines = np.sort(particle[edges], axis=1)
     _, first, line = np.unique(lines, axis=0, return_index=True, return_inverse=True)

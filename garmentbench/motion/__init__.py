@@ -1,6 +1,7 @@
 """Motions: how what a garment is worn by moves, the warm-up before frame 0 included."""
 
 from garmentbench.motion.animation import Animation
+from garmentbench.motion.clip_animation import animate_clip
 from garmentbench.motion.human import animate_human, human_motions
 from garmentbench.motion.stick import STICK, animate_stick, stick_motions
 from garmentbench.scenes.presets import Preset
@@ -23,7 +24,5 @@ def animate(scene: Scene, preset: Preset) -> Animation:
     if scene.body == STICK:
         return animate_stick(scene, frames)
     if scene.motion.file is not None:
-        from garmentbench.motion.clip_animation import animate_clip  # which builds on this package
-
         return animate_clip(scene, preset.body_size, frames)
     return animate_human(scene, preset.body_size, frames)

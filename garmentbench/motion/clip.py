@@ -1,9 +1,19 @@
-"""A clip: a motion on our skeleton."""
+"""A clip: a recorded motion on our skeleton, and its file (.npz), which `garmentbench import-motion` writes."""
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
+
+from garmentbench.errors import UserError
+from garmentbench.scenes.bodies import BakedBody
+from garmentbench.storage.atomic import written_whole
+from garmentbench.storage.npz import read_arrays
+
+KIND = "garmentbench clip"
+_ARRAYS = {"rotations": 4, "root": 2, "standing": 2, "fps": 0, "leg": 0}  # and their dimensions
+_REMAKE = "make it again with `garmentbench import-motion`"
 
 
 @dataclass(frozen=True)
@@ -35,12 +45,12 @@ class Clip:
 
     def at(self, frame: np.ndarray, fps: float) -> "Clip":
         """The clip at these frames, shape (N,), which need not be whole numbers: rotations by spherical interpolation."""
-        whole = np.arange(len(self))
+        known = np.arange(len(self))
         frame = np.clip(frame, 0, len(self) - 1)
         rotations = np.empty((len(frame),) + self.rotations.shape[1:])
         for joint in range(rotations.shape[1]):
-            rotations[:, joint] = Slerp(whole, Rotation.from_matrix(self.rotations[:, joint]))(frame).as_matrix()
-        root = np.stack([np.interp(frame, whole, self.root[:, axis]) for axis in range(3)], axis=1)
+            rotations[:, joint] = Slerp(known, Rotation.from_matrix(self.rotations[:, joint]))(frame).as_matrix()
+        root = np.stack([np.interp(frame, known, self.root[:, axis]) for axis in range(3)], axis=1)
         return replace(
             self, rotations=rotations, root=root, standing=self.standing[np.round(frame).astype(int)], fps=fps
         )
@@ -52,3 +62,66 @@ class Clip:
         turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
         root = (self.root - [*self.root[frame, :2], 0.0]) @ turn.T
         return replace(self, rotations=turn @ self.rotations, root=root)
+
+
+def part(path: Path, seconds: float, fps: float, start: float, stop: float | None) -> tuple[int, int]:
+    """First and last frame of the part from `start` to `stop` [s] (None: the end) of a motion that lasts `seconds`.
+
+    Raises `UserError` where it isn't inside.
+    """
+    last_time = seconds if stop is None else stop
+    first, last = round(start * fps), round(last_time * fps)
+    if not (0 <= start and first < last <= round(seconds * fps)):
+        raise UserError(
+            f"{path}: from {start:g} to {last_time:g} s asked for, it has 0 to {seconds:.2f} s; change start or stop"
+        )
+    return first, last
+
+
+def save_clip(clip: Clip, joint_names: tuple[str, ...], notes: str, path: Path) -> None:
+    """Write a clip: its arrays (as in `Clip`; rotations and root in float32), joint names and provenance. Raises `UserError`."""
+    with written_whole(path) as partial, partial.open("wb") as file:
+        np.savez_compressed(
+            file,
+            kind=np.array(KIND),
+            rotations=clip.rotations.astype(np.float32),
+            root=clip.root.astype(np.float32),
+            standing=clip.standing,
+            fps=np.array(clip.fps),
+            leg=np.array(clip.leg),
+            joint_names=np.array(joint_names),
+            notes=np.array(notes),
+        )
+
+
+def read_clip(path: Path, baked: BakedBody) -> Clip:
+    """The clip in a file of `save_clip`, at its own rate. Raises `UserError`."""
+    if path.suffix.lower() != ".npz":
+        raise UserError(
+            f"{path}: not a clip (.npz); make one of the recording: garmentbench import-motion {path} "
+            f"--out {path.with_suffix('.npz')}"
+        )
+    arrays = read_arrays(path, "a clip", _REMAKE)
+    if "kind" not in arrays or str(arrays["kind"]) != KIND:
+        raise UserError(
+            f"{path}: not a clip; make one of the recording: garmentbench import-motion {path} --out clip.npz"
+        )
+    joints = len(baked.joint_names)
+    for key, dimensions in _ARRAYS.items():
+        if key not in arrays or arrays[key].ndim != dimensions or arrays[key].dtype.kind not in "fib":
+            raise UserError(f"{path}: its array '{key}' is missing or wrong; {_REMAKE}")
+        if not np.isfinite(arrays[key]).all():
+            raise UserError(f"{path}: its array '{key}' is not finite; {_REMAKE}")
+    frames = len(arrays["root"])
+    shapes = {"rotations": (frames, joints, 3, 3), "root": (frames, 3), "standing": (frames, 2)}
+    for key, shape in shapes.items():
+        if arrays[key].shape != shape or frames == 0:
+            raise UserError(
+                f"{path}: '{key}' has shape {arrays[key].shape}, wanted {shape}, at least one frame; {_REMAKE}"
+            )
+    if tuple(arrays.get("joint_names", ())) != baked.joint_names:
+        raise UserError(f"{path}: its joints are not the body's; {_REMAKE}")
+    if not (0 < arrays["fps"] <= 1000 and 0.1 < arrays["leg"] < 10):
+        raise UserError(f"{path}: {arrays['fps']:g} frames a second, legs of {arrays['leg']:g} m; {_REMAKE}")
+    numbers = {key: arrays[key].astype(np.float64) for key in ("rotations", "root")}
+    return Clip(**numbers, standing=arrays["standing"].astype(bool), fps=float(arrays["fps"]), leg=float(arrays["leg"]))

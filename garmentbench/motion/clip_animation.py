@@ -1,14 +1,17 @@
-"""A body in a recorded motion, as a scene asks: from the A-pose into the clip's first pose, then the clip."""
+"""A body in a recorded motion: from the A-pose into the first pose of the scene's clip, then the clip."""
+
+from pathlib import Path
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from garmentbench.errors import UserError
-from garmentbench.importing.motions.load import load_clip
 from garmentbench.motion.animation import Animation
-from garmentbench.motion.clip import Clip
+from garmentbench.motion.arms import turn_out
+from garmentbench.motion.clip import Clip, part, read_clip
 from garmentbench.motion.easing import rolling_start, smoothstep
 from garmentbench.motion.placing import place, played_frames
+from garmentbench.motion.planting import plant
 from garmentbench.scenes.bodies import BakedBody, load_body, pose_exact
 from garmentbench.scenes.scene import Scene
 
@@ -36,6 +39,31 @@ def animate_clip(scene: Scene, size: str, frames: int) -> Animation:
     return Animation(baked.body, place(positions, scene.motion), WARM_UP)
 
 
+def load_clip(
+    path: Path, baked: BakedBody, fps: float, start: float = 0.0, stop: float | None = None, arm_space: float = 0.0
+) -> Clip:
+    """The clip of a file on a body, its feet planted.
+
+    Args:
+        path: A file of `save_clip`.
+        baked: The body.
+        fps: Frames a second that are wanted.
+        start, stop: The part of the clip [s]; None: to its end.
+        arm_space: Hanging arms are turned outward by this [degrees].
+
+    Raises:
+        UserError: No such file, not a clip's, damaged, or shorter than the part asked for.
+    """
+    clip = read_clip(path, baked)
+    seconds = (len(clip) - 1) / clip.fps
+    if seconds * fps < 1 - 1e-6:
+        raise UserError(f"{path}: {seconds:.4g} s long; wanted two frames or more at {fps:g} a second")
+    if clip.fps != fps:
+        clip = clip.at(np.arange(int(seconds * fps + 1e-6) + 1) * clip.fps / fps, fps)
+    first, last = part(path, (len(clip) - 1) / fps, fps, start, stop)
+    return plant(turn_out(clip.frames(first, last + 1), arm_space, baked), baked)
+
+
 def _clip_frames(scene: Scene, frames: int) -> np.ndarray:
     """Which frame of the clip each frame shows, shape (WARM_UP + T,)."""
     start = _RUN_UP * rolling_start((np.arange(WARM_UP) - WARM_UP) / _RUN_UP + 1)
@@ -44,7 +72,8 @@ def _clip_frames(scene: Scene, frames: int) -> np.ndarray:
 
 
 def _vertices(scene: Scene, baked: BakedBody, when: np.ndarray) -> np.ndarray:
-    clip = load_clip(scene.motion, baked, scene.fps).clip
+    motion = scene.motion
+    clip = load_clip(Path(motion.file), baked, scene.fps, motion.start, motion.stop, motion.arm_space)
     if when[-1] > len(clip) - 1:
         fit = int((len(clip) - 1) / scene.motion.speed - _RUN_UP) + 1
         raise UserError(

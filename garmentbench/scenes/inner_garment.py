@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from garmentbench.geometry.weld import weld
 from garmentbench.sequence import GARMENT, Body, Garment
-from garmentbench.simulation.assembly import weld
 
 
 def as_body(garment: Garment) -> Body:

@@ -18,11 +18,10 @@ class Motion:
         freeze_after: The body stands still after so many frames; None: never.
         translate: The whole scene is moved by this [m].
         turn: ... after a turn about the vertical axis [degrees].
-        file: Of the motion "clip": the recording (BVH, or npz by `garmentbench import-motion` or AMASS); in the scene's
-            file relative to it.
-        start, stop: Only this part of the recording [s]; None: to its end.
-        arm_space: The recording's hanging arms turned outward by this [degrees].
-        map: The recording's joint -> ours, where its names are unknown.
+        file: Of the motion "clip": the clip's file (.npz, made by `garmentbench import-motion`); in the scene's file
+            relative to it.
+        start, stop: Only this part of the clip [s]; None: to its end.
+        arm_space: The clip's hanging arms turned outward by this [degrees].
     """
 
     name: str
@@ -34,7 +33,6 @@ class Motion:
     start: float = 0.0
     stop: float | None = None
     arm_space: float = 0.0
-    map: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -116,11 +114,10 @@ def _check_clip(path: Path, motion: dict) -> None:
         raise UserError(f'{path}: motion "clip" and its file go together; wanted [motion] with name = "clip" and file')
     number = (int | float, "a number [s]")
     for key, (kind, wanted) in {
-        "file": (str, "the path of a recording"),
+        "file": (str, "the path of a clip"),
         "start": number,
         "stop": number,
         "arm_space": (int | float, "degrees"),
-        "map": (dict, "a table of the recording's joints = ours"),
     }.items():
         if key in motion and not isinstance(motion[key], kind):
             raise UserError(f"{path}: {key} is {motion[key]!r}; wanted {wanted}")

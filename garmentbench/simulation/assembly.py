@@ -5,8 +5,8 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.csgraph import connected_components
 
+from garmentbench.geometry.weld import weld
 from garmentbench.simulation.material import Material, Settings
 
 
@@ -72,14 +72,6 @@ def assemble(garment, material: Material, settings: Settings) -> Fabric:
     curvature, area = _curvature(rest, stencils)
     bend_stiffness = _cap(material.bending / area, 1 / (curvature**2 / mass[stencils]).sum(axis=1), settings.bend_cap)
     return Fabric(particle, rest, mass, edges, length, stiffness, stencils, curvature, bend_stiffness, pinned, faces)
-
-
-def weld(vertices: int, seams: np.ndarray) -> tuple[np.ndarray, int]:
-    """Particle of each vertex, shape (V,), and the number of particles: vertices joined by seams are one."""
-    pairs = np.asarray(seams, np.int64).reshape(-1, 2)
-    graph = sp.coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(vertices, vertices))
-    count, particle = connected_components(graph, directed=False)
-    return particle.astype(np.int32), count
 
 
 def _areas(points: np.ndarray, faces: np.ndarray) -> np.ndarray:

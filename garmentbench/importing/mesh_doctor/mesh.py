@@ -5,8 +5,8 @@ from functools import cached_property
 
 import numpy as np
 
+from garmentbench.geometry.weld import weld
 from garmentbench.importing.mesh_doctor.topology import Sides, sides
-from garmentbench.simulation.assembly import weld
 
 NO_PAIRS = np.zeros((0, 2), np.int64)
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from garmentbench.importing.motions.contacts import standing_height
-from garmentbench.importing.motions.load import Loaded
+from garmentbench.importing.motions.load import ImportedClip
 from garmentbench.importing.motions.recording import world
 from garmentbench.motion.clip import Clip
 from garmentbench.scenes.bodies import BakedBody, pose, pose_exact
@@ -16,17 +16,17 @@ _FASTEST = 15.0  # of a joint [m/s]: a thrown fist has 12
 _UNEVEN = 0.05  # a difference between the feet that is worth a line [m]
 
 
-def findings(loaded: Loaded, baked: BakedBody) -> Iterator[str]:
+def findings(imported: ImportedClip, baked: BakedBody) -> Iterator[str]:
     """The lines: the skeleton, its names, its feet before and after planting, arms inside the torso."""
-    clip = loaded.clip
-    if loaded.recording is not None:
-        yield from _skeleton(loaded)
+    clip = imported.clip
+    if imported.recording is not None:
+        yield from _skeleton(imported)
     share = 100 * clip.standing.mean(axis=0)
     yield (
         f"result: {len(clip)} frames at {clip.fps:g} a second on body {baked.body.name}; "
         f"left foot on the ground in {share[0]:.0f} %, right in {share[1]:.0f} %"
     )
-    before = "" if loaded.unplanted is None else f" (before planting {foot_slide_cm(loaded.unplanted, baked):.2f})"
+    before = "" if imported.unplanted is None else f" (before planting {foot_slide_cm(imported.unplanted, baked):.2f})"
     low, high = (round(height, 2) + 0.0 for height in foot_heights_cm(clip, baked))  # no -0.00
     yield (
         f"feet: slide {foot_slide_cm(clip, baked):.2f} cm a frame at most while they stand{before}; "
@@ -38,8 +38,8 @@ def findings(loaded: Loaded, baked: BakedBody) -> Iterator[str]:
     )
 
 
-def _skeleton(loaded: Loaded) -> Iterator[str]:
-    recording, upright = loaded.recording, loaded.upright
+def _skeleton(imported: ImportedClip) -> Iterator[str]:
+    recording, upright = imported.recording, imported.upright
     yield f"recording: {len(recording)} frames at {recording.fps:.4g} a second, {recording.seconds:.2f} s, {len(recording.names)} joints"
     if upright.dropped:
         yield f"left out at the start: a rest pose and the jump from it ({upright.dropped} frames)"
@@ -50,22 +50,22 @@ def _skeleton(loaded: Loaded) -> Iterator[str]:
     )
     if upright.straightened > 1:
         yield f"elbows: bent by {upright.straightened:.0f} degrees in its T-pose; taken as straight, as on Daz's figures"
-    yield from _jumps(loaded)
-    left, right = _uneven(loaded)
+    yield from _jumps(imported)
+    left, right = _uneven(imported)
     if abs(left - right) > _UNEVEN:
         yield f"uneven: the left foot stands {100 * abs(left - right):.0f} cm {'above' if left > right else 'below'} the right one"
-    yield f"names: {loaded.names.convention}"
-    yield from ("  " + line for line in loaded.names.lines())
+    yield f"names: {imported.names.convention}"
+    yield from ("  " + line for line in imported.names.lines())
 
 
-def _jumps(loaded: Loaded) -> Iterator[str]:
+def _jumps(imported: ImportedClip) -> Iterator[str]:
     """Where a joint moves faster than anybody can: a fault of the recording."""
-    recording, joints = loaded.upright.recording, list(loaded.upright.joints.values())
+    recording, joints = imported.upright.recording, list(imported.upright.joints.values())
     _, positions = world(recording)
     speed = np.linalg.norm(np.diff(positions[:, joints], axis=0), axis=-1) * recording.fps
     fast = np.flatnonzero(speed.max(axis=1, initial=0) > _FASTEST)
     if len(fast):
-        first, last = ((loaded.upright.dropped + f) / recording.fps for f in (fast[0], fast[-1]))
+        first, last = ((imported.upright.dropped + f) / recording.fps for f in (fast[0], fast[-1]))
         joint = recording.names[joints[speed[fast[0]].argmax()]]
         yield (
             f"jumps: {len(fast)} frames from {first:.2f} to {last:.2f} s, {joint} first, at up to {speed.max():.0f} m/s: "
@@ -73,11 +73,11 @@ def _jumps(loaded: Loaded) -> Iterator[str]:
         )
 
 
-def _uneven(loaded: Loaded) -> np.ndarray:
+def _uneven(imported: ImportedClip) -> np.ndarray:
     """Height of the recording's left and right ankle while they stand [m], shape (2,)."""
-    upright = loaded.upright.at_rate(loaded.clip.fps)
+    upright = imported.upright.at_rate(imported.clip.fps)
     ankles = world(upright.recording)[1][:, [upright.joints["foot.L"], upright.joints["foot.R"]]]
-    slow = np.linalg.norm(np.gradient(ankles, 1 / loaded.clip.fps, axis=0), axis=-1) < 0.35
+    slow = np.linalg.norm(np.gradient(ankles, 1 / imported.clip.fps, axis=0), axis=-1) < 0.35
     return standing_height(ankles, slow)
 
 

@@ -1,9 +1,7 @@
-"""From a file to a clip on a body: what kind of file it is, and the steps in between."""
+"""From a recording's file to a clip on a body: what kind of file it is, and the steps in between."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-
-import numpy as np
 
 from garmentbench.errors import UserError
 from garmentbench.importing.motions.amass import amass_recording, is_amass
@@ -13,19 +11,36 @@ from garmentbench.importing.motions.recording import Recording
 from garmentbench.importing.motions.retarget import retarget
 from garmentbench.importing.motions.skeleton import Upright, bring_upright
 from garmentbench.motion.arms import turn_out
-from garmentbench.motion.clip import Clip
-from garmentbench.motion.clip_file import clip_of, load_arrays
+from garmentbench.motion.clip import Clip, part
+from garmentbench.motion.clip_animation import load_clip
 from garmentbench.motion.planting import plant
 from garmentbench.scenes.bodies import BakedBody
-from garmentbench.scenes.scene import Motion
+from garmentbench.storage.npz import read_arrays
 
 
 @dataclass(frozen=True)
-class Loaded:
+class Choices:
+    """What the user says of a recording.
+
+    Attributes:
+        start, stop: Only this part of it [s]; None: to its end.
+        arm_space: Hanging arms are turned outward by this [degrees].
+        names: The recording's joint -> ours, where its names are unknown.
+    """
+
+    start: float = 0.0
+    stop: float | None = None
+    arm_space: float = 0.0
+    names: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class ImportedClip:
     """A clip with where it came from.
 
     Attributes:
         clip: On the body, its feet planted.
+        choices: What was chosen for it.
         unplanted: The same before planting; None of a clip's own file.
         recording: As it was in the file; None of a clip's own file.
         names: Whose joints are whose; None of a clip's own file.
@@ -33,60 +48,43 @@ class Loaded:
     """
 
     clip: Clip
+    choices: Choices
     unplanted: Clip | None = None
     recording: Recording | None = None
     names: NameMap | None = None
     upright: Upright | None = None
 
 
-def load_clip(motion: Motion, baked: BakedBody, fps: float) -> Loaded:
-    """The clip of `motion.file` (.bvh, AMASS's .npz, or a clip's .npz) on a body, at `fps` frames a second.
+def import_clip(path: Path, baked: BakedBody, fps: float, choices: Choices = Choices()) -> ImportedClip:
+    """The clip of a file (.bvh, AMASS's .npz, or a clip's .npz) on a body, at `fps` frames a second.
 
-    Of the motion its file, map, start, stop and arm space count. Raises `UserError` for a file that is none of these, cut
-    off or malformed, and for times outside it; `UsageError` for wrong names in the map.
+    Raises `UserError` for a file that is none of these, cut off or malformed, and for times outside it; `UsageError` for
+    wrong names in the map.
     """
-    path = Path(motion.file)
-    found = _read(path, baked)
-    if (len(found) - 1) / found.fps * fps < 1 - 1e-6:
+    found = _read(path)
+    if found is None:
+        clip = load_clip(path, baked, fps, choices.start, choices.stop, choices.arm_space)
+        return ImportedClip(clip, choices)
+    if found.seconds * fps < 1 - 1e-6:
         raise UserError(
             f"{path}: {len(found)} frames at {found.fps:.4g} a second; wanted two or more at {fps:g} a second"
         )
-    if isinstance(found, Clip):
-        clip = _at_rate(found, fps)
-        return Loaded(plant(turn_out(_part(clip, motion, path), motion.arm_space, baked), baked))
-    names = map_names(found.names, motion.map, str(path))
+    names = map_names(found.names, choices.names, str(path))
     joints = {ours: found.names.index(theirs) for ours, theirs in names.joints.items()}
     upright = bring_upright(found, joints, baked, str(path))
-    unplanted = retarget(upright.at_rate(fps), baked)
-    unplanted = turn_out(_part(unplanted, motion, path), motion.arm_space, baked)
-    return Loaded(plant(unplanted, baked), unplanted, found, names, upright)
+    clip = retarget(upright.at_rate(fps), baked)
+    first, last = part(path, (len(clip) - 1) / fps, fps, choices.start, choices.stop)
+    unplanted = turn_out(clip.frames(first, last + 1), choices.arm_space, baked)
+    return ImportedClip(plant(unplanted, baked), choices, unplanted, found, names, upright)
 
 
-def _read(path: Path, baked: BakedBody) -> Recording | Clip:
+def _read(path: Path) -> Recording | None:
+    """The recording in a file; None where that is not one of another program's, as a clip's own."""
     if not path.is_file():
         raise UserError(f"{path}: no such file; wanted a motion (.bvh or .npz)")
     if path.suffix.lower() == ".bvh":
         return read_bvh(path)
     if path.suffix.lower() != ".npz":
         raise UserError(f"{path}: wanted a motion as .bvh or .npz; export it as BVH")
-    arrays = load_arrays(path)
-    return amass_recording(arrays, path) if is_amass(arrays) else clip_of(arrays, baked, path)
-
-
-def _at_rate(clip: Clip, fps: float) -> Clip:
-    if clip.fps == fps:
-        return clip
-    frames = np.arange(int((len(clip) - 1) * fps / clip.fps + 1e-6) + 1) * clip.fps / fps
-    return clip.at(frames, fps)
-
-
-def _part(clip: Clip, motion: Motion, path: Path) -> Clip:
-    """The part of a clip from `start` to `stop`."""
-    seconds = (len(clip) - 1) / clip.fps
-    stop = seconds if motion.stop is None else motion.stop
-    first, last = round(motion.start * clip.fps), round(stop * clip.fps)
-    if not (0 <= motion.start and first < last < len(clip)):
-        raise UserError(
-            f"{path}: from {motion.start:g} to {stop:g} s asked for, it has 0 to {seconds:.2f} s; change start or stop"
-        )
-    return clip.frames(first, last + 1)
+    arrays = read_arrays(path, "a motion", "copy or make it again")
+    return amass_recording(arrays, path) if is_amass(arrays) else None

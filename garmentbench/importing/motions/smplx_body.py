@@ -9,9 +9,9 @@ import numpy as np
 
 from garmentbench.errors import UserError
 from garmentbench.importing.motions.amass import amass_motion
-from garmentbench.motion.clip_file import load_arrays
 from garmentbench.progress import track
 from garmentbench.storage.atomic import written_whole
+from garmentbench.storage.npz import read_arrays
 
 _SMPLX_POSES = 165  # 55 joints; fewer are SMPL's or SMPL-H's, of which SMPL's body joints are taken
 _BATCH = 64  # frames
@@ -33,7 +33,7 @@ def write_own_body(file: Path, models: Path, fps: float, out: Path) -> str:
     Raises:
         UserError: The package or the model file is missing, or the recording is malformed.
     """
-    arrays = load_arrays(file)
+    arrays = read_arrays(file, "an AMASS recording", "copy or make it again")
     poses, trans, rate = amass_motion(arrays, file)
     kind = "smplx" if poses.shape[1] >= _SMPLX_POSES else "smpl"
     model = _model(arrays, kind, models, file)

@@ -6,9 +6,10 @@ import pytest
 from garmentbench.evaluation.toy import tiny_sequence
 from garmentbench.geometry.mesh import unique_edges
 from garmentbench.geometry.subdivide import subdivided
+from garmentbench.geometry.weld import weld
 from garmentbench.scenes.garments import load_garment
 from garmentbench.sequence import Garment
-from garmentbench.simulation.assembly import assemble, weld
+from garmentbench.simulation.assembly import assemble
 from garmentbench.simulation.material import Material, Settings
 
 SQUARE = Garment(

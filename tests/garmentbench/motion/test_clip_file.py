@@ -9,13 +9,11 @@ import numpy as np
 import pytest
 
 from garmentbench.errors import UserError
-from garmentbench.importing.motions.load import load_clip
-from garmentbench.motion.clip import Clip
-from garmentbench.motion.clip_file import save_clip
+from garmentbench.motion.clip import Clip, save_clip
+from garmentbench.motion.clip_animation import load_clip
 from garmentbench.motion.legs import rest_leg
 from garmentbench.motion.planting import plant
 from garmentbench.scenes.bodies import load_body
-from garmentbench.scenes.scene import Motion
 
 BASE = load_body("base", "small")
 
@@ -26,8 +24,8 @@ def clip() -> Clip:
     return Clip(walk.rotations, walk.root, np.ones((12, 2), bool), 30.0, rest_leg(BASE, "L").reach)
 
 
-def load(path, fps: float = 30.0, **motion) -> Clip:
-    return load_clip(Motion("clip", file=str(path), **motion), BASE, fps).clip
+def load(path, fps: float = 30.0, **part) -> Clip:
+    return load_clip(path, BASE, fps, **part)
 
 
 def test_round_trip(tmp_path, clip):
@@ -97,7 +95,7 @@ def test_what_is_wrong_in_it(tmp_path, clip, change, complaint):
 
 def test_pickles_and_huge_claims_are_refused(tmp_path):
     np.savez(tmp_path / "pickled.npz", poses=np.array([{}], dtype=object))
-    with pytest.raises(UserError, match="not a whole npz file"):
+    with pytest.raises(UserError, match="damaged, or no .npz file"):
         load(tmp_path / "pickled.npz")
     header = io.BytesIO()
     np.lib.format.write_array_header_1_0(header, {"descr": "<f8", "fortran_order": False, "shape": (10**10, 3)})
@@ -108,7 +106,12 @@ def test_pickles_and_huge_claims_are_refused(tmp_path):
 
 
 def test_other_files(tmp_path):
-    (tmp_path / "walk.fbx").write_text("x")
-    for name, complaint in (("walk.fbx", "wanted a motion as .bvh or .npz"), ("none.bvh", "no such file")):
+    (tmp_path / "walk.bvh").write_text("x")
+    np.savez(tmp_path / "amass.npz", poses=np.zeros((4, 72)), trans=np.zeros((4, 3)))
+    for name, complaint in (
+        ("walk.bvh", "not a clip .*garmentbench import-motion .*walk.bvh --out .*walk.npz"),
+        ("amass.npz", "not a clip; make one of the recording"),
+        ("none.npz", "no such file"),
+    ):
         with pytest.raises(UserError, match=complaint):
             load(tmp_path / name)

@@ -7,11 +7,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from garmentbench.errors import UserError
-from garmentbench.importing.motions.load import load_clip
+from garmentbench.importing.motions.load import Choices, import_clip
 from garmentbench.importing.motions.smplx_body import write_own_body
 from garmentbench.motion.legs import unit
 from garmentbench.scenes.bodies import joint_positions, load_body
-from garmentbench.scenes.scene import Motion
 
 BASE = load_body("base", "small")
 STAND = Rotation.from_euler("x", 90, degrees=True).as_rotvec()  # SMPL's y-up T-pose stood up in AMASS's z-up world
@@ -31,9 +30,9 @@ def amass(frames: int = 8, width: int = 156, **arrays) -> dict[str, np.ndarray]:
     } | arrays
 
 
-def clip_of(folder, arrays, **motion):
+def clip_of(folder, arrays, **choices):
     np.savez(folder / "amass.npz", **arrays)
-    return load_clip(Motion("clip", file=str(folder / "amass.npz"), **motion), BASE, 30.0)
+    return import_clip(folder / "amass.npz", BASE, 30.0, Choices(**choices))
 
 
 def bone(clip, start: str, end: str) -> np.ndarray:

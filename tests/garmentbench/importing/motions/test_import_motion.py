@@ -67,7 +67,7 @@ def test_names_from_a_file_and_from_the_line(walk, capfd):
         (["walk.bvh", "--out", "walk.txt"], 2, "ends in .npz"),
         (["walk.bvh", "--start", "9"], 1, "it has 0 to 1.30 s"),
         (["walk.bvh", "--smplx-models", "."], 2, "Wanted --out"),
-        (["walk.bvh", "--smplx-models", ".", "--out", "b.npz"], 1, "not a whole npz file"),
+        (["walk.bvh", "--smplx-models", ".", "--out", "b.npz"], 1, "damaged, or no .npz file"),
     ],
 )
 def test_refusals_are_one_line(walk, capfd, arguments, code, complaint):

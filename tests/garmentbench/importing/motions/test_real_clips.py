@@ -9,12 +9,11 @@ import pytest
 from garmentbench.errors import UserError
 from garmentbench.importing.motions.bvh import read_bvh
 from garmentbench.importing.motions.findings import arms_inside, findings, foot_heights_cm, foot_slide_cm
-from garmentbench.importing.motions.load import Loaded, load_clip
+from garmentbench.importing.motions.load import Choices, ImportedClip, import_clip
 from garmentbench.motion.clip import Clip
 from garmentbench.motion.legs import unit
 from garmentbench.paths import PACKAGE
 from garmentbench.scenes.bodies import joint_positions, load_body
-from garmentbench.scenes.scene import Motion
 
 MOCAP = PACKAGE.parents[1] / "shared" / "data" / "mocap"
 BASE = load_body("base", "small")
@@ -31,8 +30,8 @@ pytestmark = pytest.mark.skipif(
 
 
 @cache
-def loaded(name: str, arm_space: float = 0.0) -> Loaded:
-    return load_clip(Motion("clip", file=str(MOCAP / f"{name}.bvh"), arm_space=arm_space), BASE, 30.0)
+def loaded(name: str, arm_space: float = 0.0) -> ImportedClip:
+    return import_clip(MOCAP / f"{name}.bvh", BASE, 30.0, Choices(arm_space=arm_space))
 
 
 @pytest.mark.parametrize("name", CLIPS)

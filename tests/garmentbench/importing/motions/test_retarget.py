@@ -8,21 +8,20 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from garmentbench.errors import UsageError, UserError
-from garmentbench.importing.motions.load import Loaded, load_clip
+from garmentbench.importing.motions.load import Choices, ImportedClip, import_clip
 from garmentbench.importing.motions.names import map_names
 from garmentbench.motion.legs import unit
 from garmentbench.scenes.bodies import joint_positions, load_body
-from garmentbench.scenes.scene import Motion
 
 BASE = load_body("base", "small")
 
 
 def loaded(
-    folder: Path, moving: bvh_example.Moving, prefix: str = "", fps: float = 30.0, body=BASE, **motion
-) -> Loaded:
+    folder: Path, moving: bvh_example.Moving, prefix: str = "", fps: float = 30.0, body=BASE, **choices
+) -> ImportedClip:
     path = folder / "clip.bvh"
     path.write_text(moving.text(prefix=prefix))
-    return load_clip(Motion("clip", file=str(path), **motion), body, fps)
+    return import_clip(path, body, fps, Choices(**choices))
 
 
 def bone(clip, start: str, end: str) -> np.ndarray:
@@ -183,12 +182,12 @@ def test_names_are_guessed_or_given(tmp_path):
     strange.names[strange.names.index("LeftArm")] = "Brachium"
     with pytest.raises(UserError, match="no joint found for upper_arm.L .* --map Hips=upper_arm.L"):
         loaded(tmp_path, strange)
-    found = loaded(tmp_path, strange, map={"Brachium": "upper_arm.L"})
+    found = loaded(tmp_path, strange, names={"Brachium": "upper_arm.L"})
     assert found.names.joints["upper_arm.L"] == "Brachium" and "upper_arm  Brachium | RightArm" in found.names.lines()
     with pytest.raises(UsageError, match="unknown joint of .*'Brachim': did you mean 'Brachium'"):
-        loaded(tmp_path, strange, map={"Brachim": "upper_arm.L"})
+        loaded(tmp_path, strange, names={"Brachim": "upper_arm.L"})
     with pytest.raises(UsageError, match="unknown joint of the body 'upper_arm'"):
-        loaded(tmp_path, strange, map={"Brachium": "upper_arm"})
+        loaded(tmp_path, strange, names={"Brachium": "upper_arm"})
 
 
 @pytest.mark.parametrize("frames", [1, 2, 3])
