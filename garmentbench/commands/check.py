@@ -34,7 +34,7 @@ class Check:
 
     def run(self) -> None:
         from garmentbench.device import quiet_warp
-        from garmentbench.importing.mesh_doctor.reading import is_mesh_file
+        from garmentbench.importing.mesh_doctor.files import is_mesh_file
 
         self._refuse_odd_calls()
         quiet_warp()
@@ -44,8 +44,8 @@ class Check:
             self._check_sequence()
 
     def _refuse_odd_calls(self) -> None:
-        from garmentbench.importing.mesh_doctor.mend import UNITS
-        from garmentbench.importing.mesh_doctor.writing import writable
+        from garmentbench.importing.mesh_doctor.files import writable
+        from garmentbench.importing.mesh_doctor.repairs import UNITS
 
         for name, given in (("--units", self.units), ("--make-uv", self.make_uv), ("--weld", self.weld is not None)):
             if given and self.fix is None:
@@ -59,8 +59,8 @@ class Check:
 
     def _check_mesh(self) -> None:
         from garmentbench.importing.mesh_doctor.examine import examine, summary
+        from garmentbench.importing.mesh_doctor.files import read_mesh, read_wearer
         from garmentbench.importing.mesh_doctor.picture import picture
-        from garmentbench.importing.mesh_doctor.reading import read_mesh, read_wearer
 
         mesh, wearer, file = read_mesh(self.file), read_wearer(self.body) if self.body else None, self.file
         if self.fix is not None:
@@ -73,8 +73,8 @@ class Check:
         _verdict(file, [f.problem for f in findings])
 
     def _mend(self, mesh, wearer) -> None:
-        from garmentbench.importing.mesh_doctor.mend import mend
-        from garmentbench.importing.mesh_doctor.writing import write_mesh
+        from garmentbench.importing.mesh_doctor.files import write_mesh
+        from garmentbench.importing.mesh_doctor.repairs import mend
 
         mended, lines = mend(mesh, wearer, self.units or None, self.make_uv, self.weld)
         lines += write_mesh(self.fix, mended)
@@ -85,7 +85,7 @@ class Check:
     def _check_sequence(self) -> None:
         from garmentbench import sequence_file
         from garmentbench.importing.mesh_doctor.examine import examine_template
-        from garmentbench.importing.mesh_doctor.reading import mesh_of
+        from garmentbench.importing.mesh_doctor.files import mesh_of
         from garmentbench.sequence_file import examine as check
 
         problems = check.check_sequence(self.file)

@@ -11,8 +11,8 @@ from tyro.conf import Positional
 class Import:
     """Make a sequence of a garment's and a body's moving meshes, from OBJ, PC2, MDD, npz, HDF5, USD or Alembic.
 
-    Units, up axis and frame rate are as given, else as the files say, else told by the body; they are said back, and what
-    can't be told is asked for. The file that is made can be used wherever a scene's name is taken.
+    Units, up axis and frame rate are as given, else as the files say, else inferred from the body; what was assumed is
+    printed, and what stays unclear is asked for. The file that is made can be used wherever a scene's name is taken.
 
     Arrays in npz and HDF5: positions (frames, vertices, 3), faces (n, 3) from 0, and where there are: uv (vertices, 2) or
     (faces, 3, 2), rest (vertices, 3), pins, fps, metres_per_unit, up.
@@ -67,10 +67,10 @@ class Import:
         wanted = Wanted(
             self.out.stem, given, self.split, self.name, self.body_name, self.kind, self.frames, self.make_uv
         )
-        said = import_files(
+        notes = import_files(
             (self.garment, self.template, self.mesh), (self.body, self.body_template, self.body_mesh), wanted, self.out
         )
-        print("\n".join(said))
+        print("\n".join(notes))
         print(f"{self.out}: use it as a scene, e.g. garmentbench train skinning --scene {self.out}")
 
 
@@ -101,8 +101,8 @@ class Export:
     frames: int | None = None
 
     def run(self) -> None:
-        from garmentbench.importing.meshes.exporting import export, take
+        from garmentbench.importing.meshes.exporting import export, select
         from garmentbench.scenes.presets import preset
 
-        taken, said = take(self.source, preset(self.preset), self.sequence, self.frames)
-        print("\n".join([*said, *(str(path) for path in export(taken, self.to, self.out))]))
+        taken, notes = select(self.source, preset(self.preset), self.sequence, self.frames)
+        print("\n".join([*notes, *(str(path) for path in export(taken, self.to, self.out))]))

@@ -70,7 +70,7 @@ class ImportMotion:
             save_clip(imported.clip, baked.joint_names, notes, self.out)
             print(self.out)
         if self.picture is not None:
-            from garmentbench.importing.motions.sheet import contact_sheet
+            from garmentbench.importing.motions.findings import contact_sheet
 
             contact_sheet(imported.clip, baked, self.picture)
             print(self.picture)

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from garmentbench.importing.mesh_doctor import coincident, connections, flat, penetration, shape, substeps
+from garmentbench.importing.mesh_doctor import body, coincident, connections, shape, substeps, uv
+from garmentbench.importing.mesh_doctor.body import Wearer
 from garmentbench.importing.mesh_doctor.finding import Finding, counted
 from garmentbench.importing.mesh_doctor.mesh import Mesh
 from garmentbench.importing.mesh_doctor.topology import borders, components
-from garmentbench.importing.mesh_doctor.wearer import Wearer
 
 
 def examine(mesh: Mesh, wearer: Wearer | None = None) -> list[Finding]:
@@ -29,10 +29,10 @@ def examine(mesh: Mesh, wearer: Wearer | None = None) -> list[Finding]:
     )
     found += connections.pieces(metric) + connections.holes(metric) + coincident.coincident_findings(metric)
     found += substeps.costly(metric, substeps.cost(metric) if known else None)
-    bare = flat.missing(metric)
-    found += bare or flat.outside(metric) + flat.folds(metric) + flat.overlapping(metric)
+    bare = uv.missing(metric)
+    found += bare or uv.outside(metric) + uv.folds(metric) + uv.overlapping(metric)
     if in_metres is not None:
-        found += penetration.open_body(in_metres) + penetration.penetration(metric, in_metres)
+        found += body.open_body(in_metres) + body.penetration(metric, in_metres)
     return found
 
 
@@ -42,7 +42,7 @@ def examine_template(mesh: Mesh) -> list[Finding]:
     mesh = connections.without_doubles(mesh)
     found += connections.flipped(mesh, None) + connections.pieces(mesh)
     found += connections.holes(mesh) + coincident.coincident_findings(mesh) + substeps.costly(mesh, substeps.cost(mesh))
-    return found + (flat.missing(mesh) or flat.folds(mesh) + flat.overlapping(mesh))
+    return found + (uv.missing(mesh) or uv.folds(mesh) + uv.overlapping(mesh))
 
 
 def summary(mesh: Mesh) -> str:
@@ -59,8 +59,8 @@ def summary(mesh: Mesh) -> str:
         counted(int(loop.max(initial=-1)) + 1, "opening"),
         " x ".join(f"{x:.3g}" for x in high - low),
     ]
-    if not flat.missing(mesh):
-        parts.append(counted(len(np.unique(flat.charts(mesh))), "UV chart"))
+    if not uv.missing(mesh):
+        parts.append(counted(len(np.unique(uv.charts(mesh))), "UV chart"))
     found = substeps.cost(mesh) if shape.unit(mesh.size) == ("m", 1.0) else None
     if found is not None:
         parts.append(f"{found.substeps} substeps a frame with the default material")

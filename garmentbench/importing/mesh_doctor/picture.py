@@ -6,7 +6,7 @@ import numpy as np
 
 from garmentbench.errors import UserError
 from garmentbench.geometry.mesh import normalised
-from garmentbench.importing.mesh_doctor import flat, shape
+from garmentbench.importing.mesh_doctor import shape, uv
 from garmentbench.importing.mesh_doctor.finding import Finding
 from garmentbench.importing.mesh_doctor.mesh import Mesh
 from garmentbench.storage.atomic import written_whole
@@ -85,7 +85,7 @@ def _draw_uv(ax, mesh: Mesh, findings: list[Finding]) -> None:
 
     ax.set_title("UV", fontsize=9)
     ax.set_aspect("equal")
-    if flat.missing(mesh):
+    if uv.missing(mesh):
         ax.text(0.5, 0.5, "none", ha="center", va="center")
         return
     triangles = mesh.uv[mesh.faces]

@@ -1,6 +1,6 @@
 """Alembic: polygon meshes with their world transforms and UV. It says neither unit nor up axis.
 
-Needs `alembic3d` (the extra `alembic`), PyAlembic as a wheel. Damaged files may crash its library: `apart` calls
+Needs `alembic3d` (the extra `alembic`), PyAlembic as a wheel. Damaged files may crash its library: `subprocess_reader` calls
 `read_alembic` in a process of its own.
 """
 
@@ -13,14 +13,14 @@ import numpy as np
 from garmentbench.errors import UserError
 from garmentbench.importing.meshes.choosing import choose
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence, refusal
-from garmentbench.importing.meshes.point_cache import rate_of
-from garmentbench.importing.meshes.polygon_mesh import PolygonFrames, from_polygons
+from garmentbench.importing.meshes.point_caches import rate_of
+from garmentbench.importing.meshes.polygons import PolygonFrames, from_polygons
 
 _AGAIN = "export it again, as Ogawa (not HDF5) Alembic"
 
 
 def read_alembic(path: Path, prim: str, role: str) -> MeshSequence | None:
-    """A mesh of an Alembic file, as `apart.read_apart`, which is the safe way to call it."""
+    """A mesh of an Alembic file, as `subprocess_reader.read_isolated`, which is the safe way to call it."""
     try:
         from alembic3d import Abc
     except ImportError as e:

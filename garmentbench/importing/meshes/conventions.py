@@ -52,34 +52,34 @@ class Conventions:
         unit: Metres in the garment's unit, and in the body's (files may differ only where they say so themselves).
         up: A key of `AXES`, for the garment and for the body.
         fps: Frames a second.
-        said: One line each on units, up and fps.
+        assumed: One line each on units, up and fps.
     """
 
     unit: tuple[float, float]
     up: tuple[str, str]
     fps: float
-    said: tuple[str, str, str]
+    assumed: tuple[str, str, str]
 
 
 def find_conventions(garment: MeshSequence, body: MeshSequence | None, given: Given, human: bool = True) -> Conventions:
-    """Settle them for both meshes. Raises `UserError`, with advice, where something can't be told."""
+    """Find them for both meshes. Raises `UserError`, with advice, where something stays unclear."""
     other = garment if body is None else body
     person = body if human else None
-    up, said_up = _settle("up", given.up, garment.up, other.up, lambda: _guess_up(person))
-    units, said_units = _settle(
+    up, about_up = _decide("up", given.up, garment.up, other.up, lambda: _guess_up(person))
+    units, about_units = _decide(
         "units",
         given.units and UNITS[given.units],
         garment.unit,
         other.unit,
         lambda: _guess_unit(garment, person, up[1]),
     )
-    fps, said_fps = _settle("fps", given.fps, garment.fps, other.fps, _no_rate)
+    fps, about_fps = _decide("fps", given.fps, garment.fps, other.fps, _no_rate)
     if fps[0] != fps[1] and min(len(garment.frames), len(other.frames)) > 1:
         raise UserError(
             f"the garment has {fps[0]:g} frames a second, the body {fps[1]:g}; "
             "export both at the same rate, or give --fps if one of the files is wrong"
         )
-    return Conventions(units, up, fps[0], (said_units, said_up, said_fps))
+    return Conventions(units, up, fps[0], (about_units, about_up, about_fps))
 
 
 def converter(unit: float, up: str) -> np.ndarray:
@@ -95,7 +95,7 @@ def unit_name(unit: float) -> str:
     return next((name for name, size in UNITS.items() if abs(size / unit - 1) < 1e-6), f"{unit:g} m")
 
 
-def _settle(name: str, given: object, garment: object, body: object, guess: object) -> tuple[tuple, str]:
+def _decide(name: str, given: object, garment: object, body: object, guess: object) -> tuple[tuple, str]:
     """The value for garment and body, and a line about it."""
     show = unit_name if name == "units" else lambda v: f"{v:g}" if isinstance(v, float) else v
     if given is not None:

@@ -10,9 +10,8 @@ from garmentbench import sequence_file
 from garmentbench.errors import UsageError, UserError
 from garmentbench.importing.meshes import obj
 from garmentbench.importing.meshes.arrays import write_npz
-from garmentbench.importing.meshes.mdd import write_mdd
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence
-from garmentbench.importing.meshes.pc2 import write_pc2
+from garmentbench.importing.meshes.point_caches import write_mdd, write_pc2
 from garmentbench.paths import sequence_path
 from garmentbench.progress import track
 from garmentbench.reference import is_file, take_source
@@ -29,10 +28,10 @@ ROUNDING = {
 }  # [m] what positions lose, plus float32's own
 
 
-def take(
+def select(
     source: str, preset: Preset, recorded: Path | None = None, frames: int | None = None
 ) -> tuple[Sequence, list[str]]:
-    """What is to be exported, and lines to be said of it.
+    """The sequence to export, and notes for the user.
 
     Args:
         source: A scene's name, a sequence file (.h5), or the id (or its beginning) of an evaluation's run.
@@ -44,12 +43,12 @@ def take(
         UserError: There is no such thing, or it is damaged.
     """
     if is_file(source) or source.endswith(".toml") or source in scene_names():
-        sequence, said = sequence_file.load(take_source(source, preset).path), []
+        sequence, notes = sequence_file.load(take_source(source, preset).path), []
     else:
-        sequence, said = _rolled_out(source, recorded)
+        sequence, notes = _rolled_out(source, recorded)
     if frames is not None and not 1 <= frames <= len(sequence):
         raise UsageError(f"--frames is {frames}; there are {len(sequence)}")
-    return sequence.frames(0, frames or len(sequence)), said
+    return sequence.frames(0, frames or len(sequence)), notes
 
 
 def _rolled_out(name: str, recorded: Path | None) -> tuple[Sequence, list[str]]:
@@ -69,12 +68,12 @@ def _rolled_out(name: str, recorded: Path | None) -> tuple[Sequence, list[str]]:
     sequence, roll = sequence_file.load(path), RollOut.load(run.folder / "rollout.h5")
     good = np.isfinite(roll.garment).all(axis=(1, 2))
     count = len(good) if good.all() else int(np.argmin(good))
-    said = (
+    notes = (
         []
         if good.all()
         else [f"the roll-out {roll.status} at frame {count}: {count} frames of {len(good)} are written"]
     )
-    return replace(sequence.frames(0, count), garment=roll.garment[:count]), said
+    return replace(sequence.frames(0, count), garment=roll.garment[:count]), notes
 
 
 def export(sequence: Sequence, form: str, folder: Path) -> list[Path]:

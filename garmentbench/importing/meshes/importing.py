@@ -1,4 +1,4 @@
-"""Import: mesh sequences of a garment and a body become a `Sequence`, and all that was settled on the way is said."""
+"""Import: mesh sequences of a garment and a body become a `Sequence`, with notes on everything that was assumed."""
 
 import hashlib
 from dataclasses import dataclass, replace
@@ -13,8 +13,7 @@ from garmentbench.importing.meshes.conventions import Conventions, Given, find_c
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence, refusal
 from garmentbench.importing.meshes.placing import outward, placed_frames, placed_rest
 from garmentbench.importing.meshes.reading import HDF5, Place, read_both
-from garmentbench.importing.meshes.seams import seam_pairs
-from garmentbench.importing.meshes.uv_map import vertex_uv
+from garmentbench.importing.meshes.uv_map import seam_pairs, vertex_uv
 from garmentbench.reference import IDENTITY, own_interpenetration
 from garmentbench.sequence import GARMENT, HUMAN, Body, Garment, Sequence, Template
 
@@ -48,22 +47,22 @@ class Wanted:
 
 
 def import_files(garment: Place, body: Place, wanted: Wanted, out: Path) -> list[str]:
-    """Read files, write the sequence, and give the lines to be said. An empty body file's name means no body.
+    """Read files, write the sequence, and return notes for the user. An empty body file's name means no body.
 
     A sequence file of our own is taken as it is: only its frames, split and names change. Raises `UserError` as
     `read_meshes`, `import_meshes` and `sequence_file.save`.
     """
     own = _own_sequence(garment[0])
     if own is not None:
-        sequence, said = _renamed(own, body, wanted)
+        sequence, notes = _renamed(own, body, wanted)
     else:
-        sequence, said = import_meshes(*read_both(garment, body), wanted)
+        sequence, notes = import_meshes(*read_both(garment, body), wanted)
     if sequence.template.needs.interpenetration and "interpenetration" not in sequence.info:
         sequence = measured(sequence)
         percent = sequence.info["interpenetration"]["strict_percent"]
-        said.append(f"interpenetration: {percent:.3g} % of the garment's vertices lie inside the body")
+        notes.append(f"interpenetration: {percent:.3g} % of the garment's vertices lie inside the body")
     sequence_file.save(sequence, out)
-    return said
+    return notes
 
 
 def _own_sequence(source: str) -> Sequence | None:
@@ -103,27 +102,27 @@ def measured(sequence: Sequence) -> Sequence:
 
 
 def import_meshes(garment: MeshSequence, body: MeshSequence | None, wanted: Wanted) -> tuple[Sequence, list[str]]:
-    """The sequence, and lines on what was settled (units, axes, rate, UV, cuts).
+    """The sequence, and notes on what was assumed and done (units, axes, rate, UV, cuts).
 
-    Raises `UserError`, one line with advice, for what can't be told, doesn't fit together, or is no number.
+    Raises `UserError`, one line with advice, for what is unclear, doesn't fit together, or is not finite.
     """
     found = find_conventions(garment, body, wanted.given, wanted.kind == HUMAN)
     count = _frame_count(len(garment.frames), None if body is None else len(body.frames), wanted.frames)
     mesh = vertex_uv(garment, wanted.make_uv)
-    said = [*found.said, *_told(garment), *(f"garment: {note}" for note in mesh.notes)]
+    notes = [*found.assumed, *_reading_notes(garment), *(f"garment: {note}" for note in mesh.notes)]
     frames = placed_frames(garment, mesh.origin, found.unit[0], found.up[0], count)
     rest, turned = placed_rest(garment, mesh.origin, found.unit[0], found.up[0], frames[0])
     seams = seam_pairs(mesh.origin, mesh.faces, rest, frames)
     pins = np.flatnonzero(np.isin(mesh.origin, garment.pins)).astype(np.int32)
     cloth = Garment(wanted.garment or garment.name, rest, mesh.faces, mesh.uv, seams, pins)
-    said += [f"seams: {len(seams)} pairs of vertices are the same point of cloth", *([turned] if turned else [])]
+    notes += [f"seams: {len(seams)} pairs of vertices are the same point of cloth", *([turned] if turned else [])]
     template, moving = None, None
     if body is not None:
         template, moving, lines = _body(body, found, wanted, count)
-        said += lines + _far(frames[0], moving[0])
+        notes += lines + _far(frames[0], moving[0])
     info = {"scene": wanted.scene, "split": wanted.split, "motion": "imported"}
-    info["imported"] = _provenance(garment, body, found, list(said))
-    return Sequence(Template(cloth, template, found.fps), frames, moving, info), said
+    info["imported"] = _provenance(garment, body, found, list(notes))
+    return Sequence(Template(cloth, template, found.fps), frames, moving, info), notes
 
 
 def _body(body: MeshSequence, found: Conventions, wanted: Wanted, count: int) -> tuple[Body, np.ndarray, list[str]]:
@@ -137,14 +136,14 @@ def _body(body: MeshSequence, found: Conventions, wanted: Wanted, count: int) ->
         )
         raise refusal(body.where, what, "give --units, or --kind object if it is no human")
     faces, flipped = (body.faces, False) if wanted.kind == GARMENT else outward(body.faces, rest)
-    said = [
-        *_told(body),
+    notes = [
+        *_reading_notes(body),
         *([turned] if turned else []),
         *(["faces of the body pointed inwards: turned"] if flipped else []),
     ]
     if len(body.frames) == 1 and count > 1:
-        said.append("the body has one frame: it stands still")
-    return Body(wanted.body or body.name, rest, faces, kind=wanted.kind), moving, said
+        notes.append("the body has one frame: it stands still")
+    return Body(wanted.body or body.name, rest, faces, kind=wanted.kind), moving, notes
 
 
 def _frame_count(garment: int, body: int | None, asked: int | None) -> int:
@@ -159,9 +158,9 @@ def _frame_count(garment: int, body: int | None, asked: int | None) -> int:
     )
 
 
-def _told(mesh: MeshSequence) -> list[str]:
-    told = [f"{mesh.name}: {note}" for note in mesh.notes]
-    return told + ([f"{mesh.name}: its first frame is its rest shape"] if mesh.rest is None else [])
+def _reading_notes(mesh: MeshSequence) -> list[str]:
+    notes = [f"{mesh.name}: {note}" for note in mesh.notes]
+    return notes + ([f"{mesh.name}: its first frame is its rest shape"] if mesh.rest is None else [])
 
 
 def _far(garment: np.ndarray, body: np.ndarray) -> list[str]:
@@ -169,8 +168,8 @@ def _far(garment: np.ndarray, body: np.ndarray) -> list[str]:
     return [f"warning: the garment is {gap:.2g} m away from the body in frame 0: same origin?"] if gap > _APART else []
 
 
-def _provenance(garment: MeshSequence, body: MeshSequence | None, found: Conventions, said: list[str]) -> dict:
-    """Plain JSON: what was read (names and SHA-256 only, no folders of this machine), and what was settled."""
+def _provenance(garment: MeshSequence, body: MeshSequence | None, found: Conventions, notes: list[str]) -> dict:
+    """Plain JSON: what was read (names and SHA-256 only, no folders of this machine), and what was assumed."""
     meshes = {"garment": garment} | ({} if body is None else {"body": body})
     return {
         "files": {
@@ -180,7 +179,7 @@ def _provenance(garment: MeshSequence, body: MeshSequence | None, found: Convent
         },
         "units": [unit_name(u) for u in found.unit],
         "up": list(found.up),
-        "said": said,
+        "said": notes,
     }
 
 

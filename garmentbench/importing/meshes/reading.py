@@ -4,10 +4,9 @@ from pathlib import Path
 
 from garmentbench.errors import UsageError
 from garmentbench.importing.meshes.arrays import read_npz
-from garmentbench.importing.meshes.mdd import read_mdd
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence, refusal
 from garmentbench.importing.meshes.obj import read_series, read_template, series
-from garmentbench.importing.meshes.pc2 import read_pc2
+from garmentbench.importing.meshes.point_caches import read_mdd, read_pc2
 from garmentbench.progress import track
 
 CACHES = {".pc2": read_pc2, ".mdd": read_mdd}
@@ -27,9 +26,9 @@ def read_both(garment: Place, body: Place) -> tuple[MeshSequence, MeshSequence |
     if body[0] or body[2]:
         return cloth, read_meshes(body[0] or source, *body[1:], role="body")
     if Path(source).suffix.lower() in SCENES:
-        from garmentbench.importing.meshes.subprocess_reader import read_apart
+        from garmentbench.importing.meshes.subprocess_reader import read_isolated
 
-        return cloth, read_apart(Path(source), "", "body if named so")
+        return cloth, read_isolated(Path(source), "", "body if named so")
     return cloth, None
 
 
@@ -66,9 +65,9 @@ def _read_one(path: Path, ending: str, prim: str, role: str) -> MeshSequence:
     if ending == ".npz":
         return read_npz(path)
     if ending in (*HDF5, *SCENES):
-        from garmentbench.importing.meshes.subprocess_reader import read_apart
+        from garmentbench.importing.meshes.subprocess_reader import read_isolated
 
-        return read_apart(path, prim, role)
+        return read_isolated(path, prim, role)
     raise UsageError(f"{path}: what is '{ending}'? Read here are {', '.join(KNOWN)}")
 
 

@@ -23,7 +23,7 @@ _ARRAYS = ("frames", "faces", "corner_uv", "rest", "pins")
 _AGAIN = "export it again, or as a PC2 or OBJ sequence"
 
 
-def read_apart(path: Path, prim: str, role: str) -> MeshSequence | None:
+def read_isolated(path: Path, prim: str, role: str) -> MeshSequence | None:
     """A mesh of a USD, Alembic or HDF5 file; None where none is named as a body, and `role` is "body if named so".
 
     Args:
@@ -51,11 +51,11 @@ def read_apart(path: Path, prim: str, role: str) -> MeshSequence | None:
             done = subprocess.run(command, env=environment, capture_output=True, timeout=seconds, check=False)
         except subprocess.TimeoutExpired:
             raise refusal(path, f"its library did not finish in {seconds:.0f} s: it is damaged", _AGAIN) from None
-        told = Path(folder) / "told.json"
-        if done.returncode != 0 or not told.is_file():
+        written = Path(folder) / "values.json"
+        if done.returncode != 0 or not written.is_file():
             why = (done.stderr.decode(errors="replace").strip().splitlines() or [f"exit code {done.returncode}"])[-1]
             raise refusal(path, f"damaged: its library gave up ({why[:120]})", _AGAIN)
-        values = json.loads(told.read_text())
+        values = json.loads(written.read_text())
         if "error" in values:
             raise UserError(values["error"])
         arrays = {name: np.load(file) for name in _ARRAYS if (file := Path(folder) / f"{name}.npy").is_file()}
@@ -81,7 +81,7 @@ def _child(path: Path, prim: str, role: str, folder: Path) -> None:
         values = {"error": str(e)}
     except MemoryError:
         values = {"error": f"{path}: its library asked for more than {limit >> 20} MB: it is damaged; {_AGAIN}"}
-    (folder / "told.json").write_text(json.dumps(values))
+    (folder / "values.json").write_text(json.dumps(values))
 
 
 def _read(path: Path, prim: str, role: str) -> MeshSequence | None:

@@ -1,6 +1,6 @@
 """USD: time-sampled points of polygon meshes, with their world transforms, UV (primvar st), unit, up axis and rate.
 
-Needs `usd-core` (the extra `usd`). Damaged files may crash its library: `apart` calls `read_usd` in a process of its own.
+Needs `usd-core` (the extra `usd`). Damaged files may crash its library: `subprocess_reader` calls `read_usd` in a process of its own.
 """
 
 import os
@@ -12,8 +12,8 @@ import numpy as np
 from garmentbench.errors import UserError
 from garmentbench.importing.meshes.choosing import choose
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence, refusal
-from garmentbench.importing.meshes.point_cache import rate_of
-from garmentbench.importing.meshes.polygon_mesh import PolygonFrames, from_polygons
+from garmentbench.importing.meshes.point_caches import rate_of
+from garmentbench.importing.meshes.polygons import PolygonFrames, from_polygons
 from garmentbench.storage.atomic import written_whole
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ _UV_NAMES = ("st", "uv", "UVMap", "st0", "map1")
 
 
 def read_usd(path: Path, prim: str, role: str) -> MeshSequence | None:
-    """A mesh of a USD file, as `apart.read_apart`, which is the safe way to call it."""
+    """A mesh of a USD file, as `subprocess_reader.read_isolated`, which is the safe way to call it."""
     Usd, UsdGeom, Tf = _packages()
     try:
         stage = Usd.Stage.Open(str(path))

@@ -1,8 +1,11 @@
-"""UV of corners to UV of vertices: into the unit square, vertices split where the UV map is cut, or made anew by xatlas."""
+"""UV of corners to UV of vertices: into the unit square, split where the map is cut, or made anew; and the pairs to sew again."""
 
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 
 from garmentbench.geometry.unwrap import unwrap
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence, refusal
@@ -42,11 +45,11 @@ def vertex_uv(mesh: MeshSequence, make_uv: bool = False) -> VertexUV:
         raise refusal(where, f"{found}, which the methods need", "unwrap the garment and export UV, or give --make-uv")
     if not np.isfinite(uv).all():
         raise refusal(where, "has UV coordinates that are NaN or infinite", "unwrap the garment again")
-    uv, said = _into_unit_square(where, uv.astype(np.float64))
+    uv, notes = _into_unit_square(where, uv.astype(np.float64))
     origin, faces, of_vertex = split(mesh.faces, uv)
     copies = len(origin) - len(np.unique(mesh.faces))
     cut = (f"{copies} vertices split along the cuts of the UV map",) if copies else ()
-    return VertexUV(origin, faces, of_vertex, (*said, *cut, *_left_out(mesh)))
+    return VertexUV(origin, faces, of_vertex, (*notes, *cut, *_left_out(mesh)))
 
 
 def split(faces: np.ndarray, corner_uv: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -81,8 +84,8 @@ def _into_unit_square(where: object, uv: np.ndarray) -> tuple[np.ndarray, tuple[
         found = f"its UV map spans {tiles:.3g} tiles from {low.tolist()}, wanted at most {MOST_TILES}"
         raise refusal(where, found, "scale the UV map into the unit square")
     span = " x ".join(f"[{a:.4g}, {b:.4g}]" for a, b in zip(flat.min(axis=0), flat.max(axis=0)))
-    said = f"UV map spanned {span}: moved and scaled by 1/{max(tiles, 1):g} into the unit square"
-    return np.clip((uv - low) / max(tiles, 1), 0, 1), (said,)
+    notes = f"UV map spanned {span}: moved and scaled by 1/{max(tiles, 1):g} into the unit square"
+    return np.clip((uv - low) / max(tiles, 1), 0, 1), (notes,)
 
 
 def _made(mesh: MeshSequence) -> VertexUV:
@@ -92,11 +95,62 @@ def _made(mesh: MeshSequence) -> VertexUV:
     made = unwrap(still, mesh.faces)
     used = np.unique(made.faces)
     copies = len(made.source) - len(still)
-    said = f"UV map made by xatlas: {copies} vertices split along its cuts"
+    notes = f"UV map made by xatlas: {copies} vertices split along its cuts"
     faces = np.searchsorted(used, made.faces).astype(np.int32)
-    return VertexUV(made.source[used], faces, made.uv[used], (said, *_left_out(mesh)))
+    return VertexUV(made.source[used], faces, made.uv[used], (notes, *_left_out(mesh)))
 
 
 def _left_out(mesh: MeshSequence) -> tuple[str, ...]:
     loose = len(mesh.still) - len(np.unique(mesh.faces))
     return (f"{loose} vertices without a face left out",) if loose else ()
+
+
+TOGETHER = 2e-5  # [m] at rest; OBJ files round to a micrometre, the shortest edges of dense meshes are 0.1 mm
+SEWN = 1e-3  # [m] in every frame
+
+
+def seam_pairs(origin: np.ndarray, faces: np.ndarray, rest: np.ndarray, frames: np.ndarray) -> np.ndarray:
+    """Pairs of vertices that are sewn together.
+
+    Args:
+        origin: Vertices of the same number were one vertex before the UV map was cut, shape (V,).
+        faces: Shape (F, 3).
+        rest: Rest positions [m], shape (V, 3).
+        frames: Positions [m], shape (T, V, 3).
+
+    Returns:
+        Shape (S, 2), int32; of vertices that are all the same point each is paired with the first.
+    """
+    order = np.argsort(origin, kind="stable")
+    same = origin[order][1:] == origin[order][:-1]
+    cut = np.stack([order[:-1][same], order[1:][same]], axis=1)
+    return _stars(np.concatenate([cut, _touching(_border(faces), rest, frames)]), len(rest))
+
+
+def _border(faces: np.ndarray) -> np.ndarray:
+    """Vertices on edges of one face."""
+    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    unique, counts = np.unique(edges, axis=0, return_counts=True)
+    return np.unique(unique[counts == 1])
+
+
+def _touching(border: np.ndarray, rest: np.ndarray, frames: np.ndarray) -> np.ndarray:
+    """Pairs on the border that coincide at rest and never part."""
+    if not len(border):
+        return np.zeros((0, 2), np.int64)
+    pairs = border[cKDTree(rest[border]).query_pairs(TOGETHER, output_type="ndarray")]
+    for frame in frames:
+        if not len(pairs):
+            break
+        gap = np.linalg.norm(frame[pairs[:, 0]] - frame[pairs[:, 1]], axis=1)
+        pairs = pairs[gap <= SEWN]
+    return pairs
+
+
+def _stars(pairs: np.ndarray, count: int) -> np.ndarray:
+    """Each vertex of a cluster with the cluster's first one."""
+    graph = sp.coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (count, count))
+    _, cluster = connected_components(graph, directed=False)
+    _, first = np.unique(cluster, return_index=True)
+    others = np.setdiff1d(np.arange(count), first)
+    return np.stack([first[cluster[others]], others], axis=1).astype(np.int32)

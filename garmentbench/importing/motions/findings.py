@@ -1,14 +1,16 @@
-"""What was found in a motion and made of it, in lines that a person checks before relying on them."""
+"""What was found in a motion and made of it, in lines and a picture that a person checks before relying on them."""
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 
-from garmentbench.importing.motions.contacts import standing_height
 from garmentbench.importing.motions.load import ImportedClip
 from garmentbench.importing.motions.recording import world
+from garmentbench.importing.motions.retarget import standing_height
 from garmentbench.motion.clip import Clip
 from garmentbench.scenes.bodies import BakedBody, pose, pose_exact
+from garmentbench.storage.atomic import written_whole
 
 _INSIDE = 0.02  # how deep a vertex must be to count: skin touches skin [m]
 _LOOKED_AT = 60  # frames
@@ -121,3 +123,23 @@ def arms_inside(clip: Clip, baked: BakedBody) -> float:
     rest = baked.body.faces[~arms[baked.body.faces].any(axis=1)]
     distances = signed_distances(vertices[:, fore_arms], vertices, rest)
     return float((distances < -_INSIDE).any(axis=1).mean())
+
+
+_COLUMNS, _ROWS = 8, 3
+_TILE = (200, 290)
+_BOX = np.array([[-0.9, -0.9, 0.0], [0.9, 0.9, 2.1]])  # [m] round the body's place
+
+
+def contact_sheet(clip: Clip, baked: BakedBody, path: Path) -> None:
+    """Draw 24 evenly spread frames of a clip into a PNG file, each with the body in the middle. Raises `UserError`."""
+    from PIL import Image
+
+    from garmentbench.viewing.render import RenderMesh, render
+
+    clip = clip.from_origin(0)
+    chosen = np.linspace(0, len(clip) - 1, _COLUMNS * _ROWS).round().astype(int)
+    vertices = pose(baked, clip.rotations[chosen], clip.root[chosen] * [0.0, 0.0, 1.0])
+    tiles = [render([RenderMesh(v, baked.body.faces)], size=_TILE, focus=_BOX) for v in vertices]
+    rows = [np.concatenate(tiles[i : i + _COLUMNS], axis=1) for i in range(0, len(tiles), _COLUMNS)]
+    with written_whole(path) as partial:
+        Image.fromarray(np.concatenate(rows)).save(partial, format="PNG")

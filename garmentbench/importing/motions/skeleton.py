@@ -1,4 +1,4 @@
-"""What can be told of a recorded skeleton without asking: which way is up, its unit, and rows that are no motion."""
+"""What a recorded skeleton tells by itself: which way is up, its unit, and rows that are no motion."""
 
 from dataclasses import dataclass, replace
 

@@ -6,8 +6,8 @@ import bvh_example
 import numpy as np
 import pytest
 
-from garmentbench.importing.motions.contacts import flat_feet, standing_feet
 from garmentbench.importing.motions.findings import arms_inside, foot_heights_cm, foot_slide_cm
+from garmentbench.importing.motions.retarget import flat_feet, standing_feet
 from garmentbench.motion.clip import Clip
 from garmentbench.motion.legs import rest_leg
 from garmentbench.motion.planting import plant

@@ -7,10 +7,10 @@ import pytest
 from faulty_meshes import ball
 
 from garmentbench.errors import UserError
+from garmentbench.importing.mesh_doctor.body import of_body
 from garmentbench.importing.mesh_doctor.examine import examine, summary
-from garmentbench.importing.mesh_doctor.mend import mend
 from garmentbench.importing.mesh_doctor.mesh import Mesh
-from garmentbench.importing.mesh_doctor.wearer import of_body
+from garmentbench.importing.mesh_doctor.repairs import mend
 
 BALL = of_body(ball())
 

@@ -9,7 +9,7 @@ from faulty_meshes import at, ball, more, moved, parted, tube
 
 from garmentbench.cli import main
 from garmentbench.evaluation.toy import tiny_sequence
-from garmentbench.importing.mesh_doctor.writing import write_mesh
+from garmentbench.importing.mesh_doctor.files import write_mesh
 from garmentbench.sequence_file.read_write import save
 
 CLEAN = tube()

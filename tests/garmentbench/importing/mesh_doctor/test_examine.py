@@ -7,11 +7,11 @@ import pytest
 from faulty_meshes import COLUMNS, at, ball, more, moved, parted, tube, with_uv
 
 from garmentbench.evaluation.toy import tiny_sequence
+from garmentbench.importing.mesh_doctor.body import of_body
 from garmentbench.importing.mesh_doctor.examine import examine, examine_template, summary
+from garmentbench.importing.mesh_doctor.files import mesh_of, read_mesh, read_wearer
 from garmentbench.importing.mesh_doctor.mesh import Mesh
-from garmentbench.importing.mesh_doctor.reading import mesh_of, read_mesh, read_wearer
 from garmentbench.importing.mesh_doctor.substeps import cost
-from garmentbench.importing.mesh_doctor.wearer import of_body
 from garmentbench.paths import GARMENTS
 from garmentbench.scenes.garments import load_garment
 from garmentbench.simulation.assembly import assemble

@@ -7,11 +7,11 @@ import pytest
 from faulty_meshes import COLUMNS, at, ball, more, moved, parted, tube, with_uv
 
 from garmentbench.errors import UserError
+from garmentbench.importing.mesh_doctor.body import of_body
 from garmentbench.importing.mesh_doctor.examine import examine
-from garmentbench.importing.mesh_doctor.mend import mend
+from garmentbench.importing.mesh_doctor.files import mesh_of
 from garmentbench.importing.mesh_doctor.mesh import Mesh
-from garmentbench.importing.mesh_doctor.reading import mesh_of
-from garmentbench.importing.mesh_doctor.wearer import of_body
+from garmentbench.importing.mesh_doctor.repairs import mend
 from garmentbench.scenes.garments import load_garment
 
 CLEAN = tube()

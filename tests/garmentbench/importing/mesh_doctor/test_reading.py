@@ -10,8 +10,7 @@ from faulty_meshes import ball, tube
 from garmentbench.errors import UserError
 from garmentbench.evaluation.toy import tiny_sequence
 from garmentbench.importing.mesh_doctor.examine import examine
-from garmentbench.importing.mesh_doctor.reading import mesh_of, read_mesh, read_wearer
-from garmentbench.importing.mesh_doctor.writing import write_mesh
+from garmentbench.importing.mesh_doctor.files import mesh_of, read_mesh, read_wearer, write_mesh
 from garmentbench.sequence_file.read_write import save
 
 CLEAN = tube()

@@ -45,13 +45,13 @@ def test_a_standing_body_tells_unit_and_up(height, unit, axis):
     size[axis] = height
     found = settle(box(size))
     assert found.unit == (UNITS[unit], UNITS[unit]) and found.up == ("xyz"[axis],) * 2
-    assert found.said[0] == f"units: {unit} (inferred: body height {height:.4g})"
-    assert found.said[1].startswith(f"up: {'xyz'[axis]} (inferred: the body measures")
+    assert found.assumed[0] == f"units: {unit} (inferred: body height {height:.4g})"
+    assert found.assumed[1].startswith(f"up: {'xyz'[axis]} (inferred: the body measures")
 
 
 def test_a_t_pose_tells_up_by_where_it_stands():
     found = settle(box([175, 170, 30], low=[-87, 0.5, -15]))
-    assert found.up == ("y", "y") and "stands at 0 along y" in found.said[1]
+    assert found.up == ("y", "y") and "stands at 0 along y" in found.assumed[1]
     with pytest.raises(UserError, match=r"up axis: can't be told from a body of 175 x 170 x 30; give --up y"):
         settle(box([175, 170, 30], low=[-87, 40, -15]))
 
@@ -72,20 +72,20 @@ def test_a_garment_alone_tells_its_unit_but_not_its_up(size, unit):
 
 def test_given_before_stated_before_inferred():
     stated = box([0.4, 0.4, 1.8], fps=24.0, unit=0.01, up="x")
-    assert settle(stated, given=Given()).said == (
+    assert settle(stated, given=Given()).assumed == (
         "units: cm (as the file says)",
         "up: x (as the file says)",
         "fps: 24 (as the file says)",
     )
     found = settle(stated, given=Given("in", "-y", 60.0))
     assert (found.unit, found.up, found.fps) == ((0.0254, 0.0254), ("-y", "-y"), 60.0)
-    assert found.said == ("units: in (given)", "up: -y (given)", "fps: 60 (given)")
+    assert found.assumed == ("units: in (given)", "up: -y (given)", "fps: 60 (given)")
 
 
 def test_each_file_keeps_what_it_states():
     found = settle(box([0.4, 0.4, 1.8], unit=1.0, up="z"), box([50, 60, 30], unit=0.01, up="y"))
     assert found.unit == (0.01, 1.0) and found.up == ("y", "z")
-    assert found.said[0] == "units: cm, of the body m (as the file says)"
+    assert found.assumed[0] == "units: cm, of the body m (as the file says)"
 
 
 def test_rates():

@@ -11,9 +11,8 @@ from exchange_example import MESHES
 
 from garmentbench.errors import UserError
 from garmentbench.importing.meshes.arrays import write_npz
-from garmentbench.importing.meshes.mdd import read_mdd, write_mdd
 from garmentbench.importing.meshes.obj import read_template, write_template
-from garmentbench.importing.meshes.pc2 import read_pc2, write_pc2
+from garmentbench.importing.meshes.point_caches import read_mdd, read_pc2, write_mdd, write_pc2
 from garmentbench.importing.meshes.reading import read_meshes
 
 MESH = MESHES["garment"]

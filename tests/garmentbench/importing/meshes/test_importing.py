@@ -1,4 +1,4 @@
-"""Import as it is typed: what is said back, what is refused, and that the file is a scene like any other."""
+"""Import as it is typed: what is printed, what is refused, and that the file is a scene like any other."""
 
 from dataclasses import replace
 
@@ -12,9 +12,8 @@ from garmentbench.evaluation.rollout import RollOut
 from garmentbench.importing.meshes.arrays import write_npz
 from garmentbench.importing.meshes.conventions import Given
 from garmentbench.importing.meshes.importing import Wanted, import_meshes
-from garmentbench.importing.meshes.mdd import write_mdd
 from garmentbench.importing.meshes.obj import write_series, write_template
-from garmentbench.importing.meshes.pc2 import write_pc2
+from garmentbench.importing.meshes.point_caches import write_mdd, write_pc2
 
 CLOTH, BODY = MESHES["garment"], MESHES["body"]
 PLAIN = Wanted("x", Given("m", "z", 25.0))
@@ -136,8 +135,8 @@ def test_a_sequence_file_is_taken_as_it_is(home, capsys):
 
 def test_a_frame_that_stands_still(home):
     still = replace(BODY, frames=BODY.frames[:1])
-    sequence, said = import_meshes(CLOTH, still, PLAIN)
-    assert "the body has one frame: it stands still" in said
+    sequence, notes = import_meshes(CLOTH, still, PLAIN)
+    assert "the body has one frame: it stands still" in notes
     np.testing.assert_array_equal(sequence.body, np.repeat(BODY.frames[:1], 6, axis=0))
 
 
@@ -165,9 +164,9 @@ def test_no_number_is_named_by_file_frame_and_vertex(home, value):
 
 def test_a_template_with_other_axes_is_turned_and_told(home):
     lying = replace(CLOTH, rest=as_film(CLOTH).rest / 100)
-    sequence, said = import_meshes(lying, BODY, PLAIN)
+    sequence, notes = import_meshes(lying, BODY, PLAIN)
     np.testing.assert_allclose(sequence.template.garment.rest, CLOTH.rest, atol=1e-6)
-    assert "rest shape of garment: turned from y up to z up, as the recording lies" in said
+    assert "rest shape of garment: turned from y up to z up, as the recording lies" in notes
 
 
 def test_a_recording_that_walks_and_turns_keeps_its_rest_shape(home):
@@ -175,14 +174,14 @@ def test_a_recording_that_walks_and_turns_keeps_its_rest_shape(home):
     turned = replace(
         CLOTH, frames=(CLOTH.frames @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]) + [3, 4, 0]).astype(np.float32)
     )
-    sequence, said = import_meshes(turned, None, PLAIN)
+    sequence, notes = import_meshes(turned, None, PLAIN)
     np.testing.assert_array_equal(sequence.template.garment.rest, CLOTH.rest)
-    assert not any("turned" in line for line in said)
+    assert not any("turned" in line for line in notes)
 
 
 def test_a_body_inside_out_is_turned(home):
-    sequence, said = import_meshes(CLOTH, replace(BODY, faces=BODY.faces[:, ::-1]), PLAIN)
-    assert "faces of the body pointed inwards: turned" in said
+    sequence, notes = import_meshes(CLOTH, replace(BODY, faces=BODY.faces[:, ::-1]), PLAIN)
+    assert "faces of the body pointed inwards: turned" in notes
     assert not any("inwards" in line for line in import_meshes(CLOTH, BODY, PLAIN)[1])
     assert {frozenset(f) for f in sequence.template.body.faces.tolist()} == {frozenset(f) for f in BODY.faces.tolist()}
 
@@ -195,8 +194,8 @@ def test_a_wrong_unit_in_a_file_is_noticed(home):
 
 
 def test_a_body_elsewhere_is_told(home):
-    _, said = import_meshes(CLOTH, replace(BODY, frames=BODY.frames + np.float32(5)), PLAIN)
-    assert any(line.startswith("warning: the garment is") and "away from the body" in line for line in said)
+    _, notes = import_meshes(CLOTH, replace(BODY, frames=BODY.frames + np.float32(5)), PLAIN)
+    assert any(line.startswith("warning: the garment is") and "away from the body" in line for line in notes)
 
 
 def test_an_obj_series_without_template_rests_as_it_begins(home, capsys):

@@ -7,9 +7,8 @@ import pytest
 from exchange_example import MESHES
 
 from garmentbench.errors import UserError
-from garmentbench.importing.meshes.mdd import read_mdd, write_mdd
 from garmentbench.importing.meshes.obj import read_template, write_template
-from garmentbench.importing.meshes.pc2 import read_pc2, write_pc2
+from garmentbench.importing.meshes.point_caches import read_mdd, read_pc2, write_mdd, write_pc2
 
 MESH = MESHES["garment"]
 FRAMES, POINTS = MESH.frames.shape[:2]

@@ -5,8 +5,7 @@ import pytest
 
 from garmentbench.errors import UserError
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence
-from garmentbench.importing.meshes.seams import seam_pairs
-from garmentbench.importing.meshes.uv_map import split, vertex_uv
+from garmentbench.importing.meshes.uv_map import seam_pairs, split, vertex_uv
 
 # two triangles of a square, cut apart in UV along the diagonal 0-2
 FACES = np.array([[0, 1, 2], [0, 2, 3]], np.int32)

@@ -1,0 +1,130 @@
+"""Point caches, PC2 and MDD: positions over time; faces, UV and rest shape come from a template OBJ.
+
+PC2 (PointCache2 by footools), little endian: char[12] "POINTCACHE2\0", int version = 1, int points, float start frame,
+float sample rate, int samples; then samples x points x 3 floats. The sample rate is "every so many frames", so that the
+format has no frames a second; some programs write these there all the same.
+
+MDD (LightWave's Motion Designer), big endian: int frames, int points, float times [s] of the frames; then frames x points
+x 3 floats."""
+
+import struct
+from pathlib import Path
+
+import numpy as np
+
+from garmentbench.importing.meshes.mesh_sequence import MeshSequence, refusal, size_of
+from garmentbench.storage.atomic import written_whole
+
+
+def with_template(
+    path: Path, frames: np.ndarray, template: MeshSequence, fps: float | None, notes: tuple[str, ...] = ()
+) -> MeshSequence:
+    """Cached positions, shape (T, V, 3), on a template's mesh. Raises `UserError` where the vertex counts differ."""
+    if frames.shape[1] != len(template.still):
+        found = f"has {frames.shape[1]} points, its template {template.files[0]} has {len(template.still)} vertices"
+        raise refusal(path, found, "export both from the same mesh, with no modifier between")
+    return MeshSequence(
+        path.stem,
+        frames,
+        template.faces,
+        template.corner_uv,
+        template.still,
+        fps,
+        notes=(*template.notes, *notes),
+        files=(path, *template.files),
+    )
+
+
+def rate_of(path: Path, times: np.ndarray) -> float | None:
+    """Frames a second of evenly spaced times [s], shape (T,); None of a single one. Raises `UserError` for others."""
+    if len(times) < 2:
+        return None
+    with np.errstate(invalid="ignore", over="ignore"):
+        steps = np.diff(times)
+        step = (times[-1] - times[0]) / (len(times) - 1)
+        rounding = 1e-6 * np.abs(times).max()
+        even = step > 0 and np.isfinite(times).all() and np.abs(steps - step).max() <= 0.05 * step + rounding
+    if not even:
+        with np.errstate(invalid="ignore"):
+            bad = int(np.argmax(~(np.abs(steps - np.median(steps)) <= 0.05 * np.abs(np.median(steps)))))
+        found = (
+            f"frames {bad} and {bad + 1} are at {times[bad]:g} s and {times[bad + 1]:g} s, wanted evenly spaced times"
+        )
+        raise refusal(path, found, "export at a constant frame rate")
+    return float(round(1 / step, 3))
+
+
+_SIGNATURE = b"POINTCACHE2\0"
+_PC2 = struct.Struct("<12siiffi")
+_AGAIN = "export the cache again"
+_SLOWEST, _FASTEST = 10, 240  # a sample rate in between must be meant as frames a second
+
+
+def read_pc2(path: Path, template: MeshSequence) -> MeshSequence:
+    """A PC2 file; the frames are mapped from it. Raises `UserError`, one line, for what is damaged or doesn't fit."""
+    size = size_of(path, "a PC2 file")
+    with path.open("rb") as file:
+        header = file.read(_PC2.size)
+    if not header.startswith(_SIGNATURE[: len(header)]):
+        raise refusal(path, "no PC2 file, wanted it to begin with POINTCACHE2", _AGAIN)
+    if len(header) < _PC2.size:
+        raise refusal(path, f"cut off in its header: has {size} bytes, wanted more than {_PC2.size}", _AGAIN)
+    _, version, points, _, rate, samples = _PC2.unpack(header)
+    if version != 1:
+        order = ": its bytes are in big-endian order" if version == 1 << 24 else ""
+        raise refusal(path, f"version {version}, wanted 1{order}", "export it little-endian, as PC2 is defined")
+    if points <= 0 or samples <= 0:
+        raise refusal(path, f"its header says {points} points and {samples} frames, wanted at least 1 of each", _AGAIN)
+    wanted = _PC2.size + 12 * points * samples
+    if size != wanted:
+        claim = f"its header ({samples} frames of {points} points) wants {wanted}"
+        raise refusal(path, f"has {size} bytes, {claim}: it is damaged or cut off", _AGAIN)
+    frames = np.memmap(path, "<f4", "r", _PC2.size, (samples, points, 3))
+    fps = float(rate) if _SLOWEST <= rate <= _FASTEST else None
+    thinned = (f"sampled every {rate:g} frames: --fps is the rate of the samples",) if 1 < rate < _SLOWEST else ()
+    return with_template(path, frames, template, fps, thinned)
+
+
+def write_pc2(path: Path, mesh: MeshSequence) -> None:
+    """Positions as they are. Raises `UserError` when it can't be written."""
+    header = _PC2.pack(_SIGNATURE, 1, mesh.frames.shape[1], 0.0, 1.0, len(mesh.frames))
+    with written_whole(path) as partial, partial.open("wb") as file:
+        file.write(header)
+        file.write(np.ascontiguousarray(mesh.frames, "<f4"))
+
+
+_MDD = struct.Struct(">ii")
+_AGAIN = "export the cache again"
+
+
+def read_mdd(path: Path, template: MeshSequence) -> MeshSequence:
+    """An MDD file; the frames are mapped from it. Raises `UserError`, one line, for what is damaged or doesn't fit."""
+    size = size_of(path, "an MDD file")
+    with path.open("rb") as file:
+        header = file.read(_MDD.size)
+    if len(header) < _MDD.size:
+        raise refusal(path, f"cut off in its header: has {size} bytes, wanted more than {_MDD.size}", _AGAIN)
+    count, points = _MDD.unpack(header)
+    if size == _bytes(*struct.unpack("<ii", header)):
+        raise refusal(path, "its bytes are in little-endian order, MDD is big-endian", "export it big-endian")
+    if count <= 0 or points <= 0:
+        raise refusal(path, f"its header says {count} frames and {points} points, wanted at least 1 of each", _AGAIN)
+    if size != _bytes(count, points):
+        wanted = f"its header ({count} frames of {points} points) wants {_bytes(count, points)}"
+        raise refusal(path, f"has {size} bytes, {wanted}: it is damaged, cut off, or no MDD file", _AGAIN)
+    times = np.fromfile(path, ">f4", count, offset=_MDD.size).astype(np.float64)
+    frames = np.memmap(path, ">f4", "r", _MDD.size + 4 * count, (count, points, 3))
+    return with_template(path, frames, template, rate_of(path, times))
+
+
+def write_mdd(path: Path, mesh: MeshSequence) -> None:
+    """Positions as they are, times from `mesh.fps`. Raises `UserError` when it can't be written."""
+    count = len(mesh.frames)
+    with written_whole(path) as partial, partial.open("wb") as file:
+        file.write(_MDD.pack(count, mesh.frames.shape[1]))
+        file.write((np.arange(count) / mesh.fps).astype(">f4"))
+        file.write(np.ascontiguousarray(mesh.frames, ">f4"))
+
+
+def _bytes(frames: int, points: int) -> int:
+    return _MDD.size + 4 * frames + 12 * frames * points
