@@ -64,7 +64,7 @@ def _build(sequence: Sequence, preset: Preset) -> _Built:
     """Train a model of the preset's sizes for a few steps, roll it out and measure the roll-out."""
     with tempfile.TemporaryDirectory() as folder:
         with RunStore(Path(folder)).open("train", {"what": "needs"}) as run:
-            method = MotionGuided.fit(sequence, _few_steps(config_for(preset.name)), run)
+            method = MotionGuided.fit((sequence,), _few_steps(config_for(preset.name)), run)
         files = list(Path(folder).glob(f"sdf-*/{WEIGHTS}"))
         sdf = sum(w.numel() for file in files for w in load(file, torch.device("cpu")).values())
         megabytes = sum(file.stat().st_size for file in files) / 1e6

@@ -56,7 +56,7 @@ def run(names: list[str], preset: Preset, seeds: int, data_only: bool = False) -
     studies = [] if data_only else wanted
     for study in studies:
         study.require()
-    lines = [line for experiment in experiments for line in _lines(experiment, seeds)]
+    lines = [line for experiment in experiments for line in _lines(experiment, preset, seeds)]
     jobs = _jobs(experiments, lines, preset, data_only) | {
         k: job for study in studies for k, job in study.jobs(preset).items()
     }
@@ -84,12 +84,12 @@ def run(names: list[str], preset: Preset, seeds: int, data_only: bool = False) -
         raise UserError(f"{len(failed)} of {len(jobs)} jobs failed, the first: {failed[0].label}: {failed[0].message}")
 
 
-def _lines(experiment: Experiment, seeds: int) -> list[Line]:
+def _lines(experiment: Experiment, preset: Preset, seeds: int) -> list[Line]:
     lines = [
         Line(experiment, entry, seed, scene)
         for scene in experiment.tests
         for entry in experiment.entries
-        for seed in range(seeds if work.is_random(entry.method) else 1)
+        for seed in range(seeds if _choice(entry, preset).random else 1)
     ]
     if experiment.simulator:
         lines += [Line(experiment, None, 0, scene) for scene in experiment.tests]
@@ -115,7 +115,7 @@ def _jobs(experiments: list[Experiment], lines: list[Line], preset: Preset, data
             continue
         train, test = line.experiment.train, line.scene
         name = f"{line.entry.method} {line.entry.label}" + (f" seed {line.seed}" if line.seed else "")
-        cost = 600.0 if work.is_random(line.entry.method) else 10.0
+        cost = 600.0 if _choice(line.entry, preset).random else 10.0
         arguments = (line.entry, train, preset, line.seed)
         full = replace(line, entry=replace(line.entry, variant="full")).trained  # shares stages with its variants
         after = (full,) if full != line.trained and full in trainings else ()
@@ -138,7 +138,11 @@ def _sequence(scene: str, preset: Preset) -> Path:
 
 
 def _train(_: Path, entry: Entry, scene: str, preset: Preset, seed: int) -> str:
-    return work.train(entry.method, entry.variant, scene, preset, entry.train_frames, seed, RunStore()).id
+    return work.train(_choice(entry, preset), (scene,), preset, entry.train_frames, seed, RunStore()).id
+
+
+def _choice(entry: Entry, preset: Preset) -> work.MethodChoice:
+    return work.choose_method(entry.method, entry.variant, preset)
 
 
 def _evaluate(trained: str, _: Path, scene: str, preset: Preset) -> str:

@@ -70,18 +70,33 @@ class FitRun(Protocol):
 
 
 class Method(Protocol):
-    """A trained method. Class attribute `name` as in the tables; `Config` is a frozen dataclass.
+    """A trained method.
 
     A method may leave the garment before its collision stage in `state.before_collision` (shape (V, 3)), and may mark
     parts of its time with `garmentbench.method.span("prepare" | "predict" | "collide")`.
+
+    Attributes:
+        name: What the method is called in tables, runs and results.csv.
+        Config: A frozen dataclass of its settings.
+
+    Optional class attributes: `random` (the seed changes what is learned; true if absent), `any_garment` (a trained
+    method predicts other garments than the one it was trained on, too; false if absent), `learns` (false for a rule
+    without anything to train; true if absent).
     """
 
     name: str
     Config: type
 
     @classmethod
-    def fit(cls, train: Sequence, config: Any, run: FitRun) -> "Method":
-        """Train on a sequence. `config` is an instance of `Config`."""
+    def fit(cls, train: tuple[Sequence, ...], config: Any, run: FitRun) -> "Method":
+        """Train on one or more sequences: several motions, several bodies.
+
+        Args:
+            train: At least one. All have the same garment mesh and the same body mesh; rest shapes may differ between
+                bodies. No frame of one sequence follows a frame of another.
+            config: An instance of `Config`.
+            run: Where checkpoints and logs go.
+        """
 
     def save(self, folder: Path) -> None:
         """Write what `load` needs into an existing folder: arrays and JSON, no code."""

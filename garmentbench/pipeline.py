@@ -1,42 +1,70 @@
-"""The work behind the commands: train a method, roll it out and measure it. What is finished is reused.
+"""Train a method, roll it out, score it; finished work is reused.
 
-Together with the command line this is the outermost shell: methods are reached from here, by their names.
+Together with the command line this is the outermost shell: methods are reached from here. Only `choose_method` takes
+names.
 """
 
+import os
 import sys
-import traceback
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from garmentbench import sequence_file
 from garmentbench.device import device_name, quiet_warp, require_device
 from garmentbench.errors import UsageError, UserError, unknown_name
 from garmentbench.method import HISTORY, Method
-from garmentbench.reference import make_sequence, take_source
+from garmentbench.reference import is_file, make_sequence, take_source
 from garmentbench.scenes.presets import Preset
-from garmentbench.sequence import Sequence
-from garmentbench.storage.atomic import write_text
-from garmentbench.storage.fingerprint import fingerprint
+from garmentbench.scenes.scene import Scene, load_scene, scene_names
+from garmentbench.sequence import GARMENT, HUMAN, OBJECT
+from garmentbench.storage.fingerprint import content_hash, fingerprint
 from garmentbench.storage.runs import Run, RunStore
 
 if TYPE_CHECKING:
     from garmentbench.evaluation.rollout import RollOut
+    from garmentbench.sequence import Sequence as Recording
 
 # What decides an evaluation besides the method: also the form in which the report finds it.
 EVALUATION = ("garmentbench.evaluation.rollout", "garmentbench.evaluation.score", "garmentbench.evaluation.excerpt")
 
-__all__ = ["evaluate", "is_random", "load_method", "make_sequence", "require_device", "train"]
+__all__ = ["MethodChoice", "choose_method", "evaluate", "keep", "make_sequence", "require_device", "train", "variants"]
+
+
+@dataclass(frozen=True)
+class MethodChoice:
+    """A method to be trained.
+
+    Attributes:
+        method: Its class.
+        name: What the class calls itself; tables, runs and results.csv use this name.
+        variant: "full", or one of the method's variants.
+        config: The configuration that the variant has at a network size.
+    """
+
+    method: type[Method]
+    name: str
+    variant: str
+    config: Any
+
+    @property
+    def random(self) -> bool:
+        """Does the seed change what the method learns?"""
+        return getattr(self.method, "random", True)
 
 
 def load_method(name: str) -> type[Method]:
-    """The method of that name, or the class at "module:Class".
+    """The method of that name, or the class at "module:Class", whose module may lie in the working folder.
 
     Raises `UsageError`, with the nearest name for an unknown one, and for a class that is no method.
     """
     from garmentbench.evaluation.check_method import missing_parts
     from garmentbench.methods import load_method as load
 
+    if os.getcwd() not in sys.path:  # a console script's path begins with the script's folder
+        sys.path.insert(0, os.getcwd())
     method = load(name)
     missing = missing_parts(method)
     if missing:
@@ -44,66 +72,100 @@ def load_method(name: str) -> type[Method]:
     return method
 
 
-def is_random(method_name: str) -> bool:
-    """Does the seed change what a method learns? A method says so by its attribute `random` (true if not given)."""
-    return getattr(load_method(method_name), "random", True)
-
-
 def variants(method: type[Method]) -> dict[str, Any]:
     """A method's variants: functions that change the full configuration. Its module may offer more than "full"."""
     return getattr(sys.modules[method.__module__], "VARIANTS", {"full": lambda full: full})
 
 
-def configuration(method: type[Method], variant: str, preset: Preset) -> Any:
-    """The configuration of a variant at a preset. Raises `UsageError` for an unknown variant."""
+def choose_method(method: str | type[Method], variant: str, preset: Preset) -> MethodChoice:
+    """A method and its configuration.
+
+    Args:
+        method: A method's name, "module:Class", or the class itself.
+        variant: "full", or one of the method's variants.
+        preset: Its network size chooses the configuration, where the method's module has a `config_for`.
+
+    Raises:
+        UsageError: The method or the variant is unknown.
+    """
+    method = load_method(method) if isinstance(method, str) else method
     known = variants(method)
     if variant not in known:
         raise unknown_name(f"variant of {method.name}", variant, list(known))
     module = sys.modules[method.__module__]
     full = module.config_for(preset.name) if hasattr(module, "config_for") else method.Config()
-    return known[variant](full)
+    return MethodChoice(method, method.name, variant, known[variant](full))
 
 
-def train(method_name: str, variant: str, scene: str, preset: Preset, frames: int, seed: int, store: RunStore) -> Run:
-    """Train a method on the first `frames` of a scene (fewer where the preset limits them).
+def default_training_scene(method: type[Method], source: str) -> str:
+    """What to train on where the user gives only a source to be tested on: the first training scene of its garment.
+
+    A method that learns nothing is "trained" on the source itself where there is no such scene. Raises `UsageError`
+    for any other method.
+    """
+    garment, on = _worn(source)
+    for name in scene_names():
+        scene = load_scene(name)
+        if scene.split == "train" and (scene.garment, _wearer(scene)) == (garment, on):
+            return name
+    if not getattr(method, "learns", True):
+        return source
+    raise UsageError(f"no training scene has the garment '{garment}' of {source}; give one with --train-scene")
+
+
+def _worn(source: str) -> tuple[str, str]:
+    """A source's garment, and what kind of thing it is on."""
+    if not is_file(source):
+        scene = load_scene(source)
+        return scene.garment, _wearer(scene)
+    template = sequence_file.load(Path(source)).template
+    return template.garment.name, "none" if template.body is None else template.body.kind
+
+
+def _wearer(scene: Scene) -> str:
+    return GARMENT if scene.worn_over is not None else OBJECT if scene.body == "stick" else HUMAN
+
+
+def train(choice: MethodChoice, sources: Sequence[str], preset: Preset, frames: int, seed: int, store: RunStore) -> Run:
+    """Train a method on the first `frames` of each of one or more sources (fewer where the preset limits them).
 
     Returns:
         The finished run; the trained method is in its folder "method".
 
     Raises:
-        UserError: A wrong name, too few frames in the scene, or the method's `fit` raised.
+        UserError: Too few frames in a source, sources of different garments or bodies, or the method's `fit` raised.
     """
-    method = load_method(method_name)
-    config = configuration(method, variant, preset)
+    if not sources:
+        raise UsageError("train: no training scene is given; wanted at least one")
     if frames <= HISTORY:
         raise UsageError(
             f"train: {frames} frames asked for; wanted more than {HISTORY}, which are the history of the next"
         )
     frames = min(frames, preset.frame_limit or frames)
-    source = take_source(scene, preset)
+    references = [take_source(source, preset) for source in sources]
     identity = {
-        "method": method_name,
-        "variant": variant,
-        "train_scene": source.name,
+        "method": choice.name,
+        "class": _address(choice.method),
+        "variant": choice.variant,
+        "train_scenes": [reference.name for reference in references],
         "preset": preset.name,
         "train_frames": frames,
-        "seed": seed if is_random(method_name) else 0,
-        "config": config,
-        "data": sequence_file.content_hash(source.path),
-        "code": fingerprint(method.__module__),
+        "seed": seed if choice.random else 0,
+        "config": choice.config,
+        "data": [sequence_file.content_hash(reference.path) for reference in references],
+        "code": fingerprint(choice.method.__module__),
         "device": device_name(),
     }
     with store.open("train", identity) as run:
         if not run.finished:
-            sequence = sequence_file.load(source.path, frames)
-            if len(sequence) < frames:
-                there = len(sequence)
-                raise UserError(f"{source.path}: has {there} frames, {frames} were asked for; train on at most {there}")
+            sequences = tuple(_first_frames(reference.path, frames) for reference in references)
+            for name, sequence in zip(identity["train_scenes"][1:], sequences[1:], strict=True):
+                _require_same_meshes(identity["train_scenes"][0], sequences[0], name, sequence)
             folder = run.folder / "method"
             folder.mkdir(exist_ok=True)
             with _foreign_code(run, "fit"):
-                method.fit(sequence, config, run).save(folder)
-            run.finish()
+                choice.method.fit(sequences, choice.config, run).save(folder)
+            run.finish({"garment": garment_mesh(sequences[0])})
     return store.get(run.id)
 
 
@@ -119,8 +181,9 @@ def keep(method: Method, variant: str, origin: str, data: str, store: RunStore) 
     """
     identity = {
         "method": method.name,
+        "class": _address(type(method)),
         "variant": variant,
-        "train_scene": origin,
+        "train_scenes": [origin],
         "train_frames": None,
         "seed": 0,
         "data": data,
@@ -135,45 +198,46 @@ def keep(method: Method, variant: str, origin: str, data: str, store: RunStore) 
     return store.get(run.id)
 
 
-def evaluate(trained: Run, scene: str, preset: Preset, store: RunStore) -> Run:
-    """Roll a trained method out on a scene, ask it for single steps, and measure both.
+def evaluate(trained: Run, source: str, preset: Preset, store: RunStore) -> Run:
+    """Roll a trained method out on a source, ask it for single steps, and measure both.
 
     Returns:
         The finished run. Its folder holds rollout.h5 and recording.rrd; its results are `rows` (metric, horizon, value,
-        unit ...), `status` and `first_bad_frame`. A method that fails or diverges has a finished run that says so.
+        unit ...), `status`, `first_bad_frame` and `message`. A method that fails or diverges has a finished run that
+        says so.
 
     Raises:
-        UserError: The training is not finished, or the scene is wrong.
+        UserError: The training is not finished, or it was done on another garment.
     """
     from garmentbench.evaluation.excerpt import write_material
     from garmentbench.evaluation.score import evaluate as measure
     from garmentbench.viewing.recording import write_recording
 
-    _ = trained.results  # says so where the training is not finished
-    method = load_method(trained.identity["method"])
-    source = take_source(scene, preset)
-    about = ("method", "variant", "train_scene", "train_frames", "seed")
+    garment = trained.results.get("garment")  # says so where the training is not finished
+    method = load_method(trained.identity["class"])
+    reference = take_source(source, preset)
+    about = ("method", "class", "variant", "train_scenes", "train_frames", "seed")
     identity = {key: trained.identity[key] for key in about} | {
         "trained": trained.id,
-        "scene": source.name,
+        "scene": reference.name,
         "preset": preset.name,
-        "data": sequence_file.content_hash(source.path),
-        "reference": source.identity,  # whose uncertainty stands beside the errors
+        "data": sequence_file.content_hash(reference.path),
+        "reference": reference.identity,  # whose uncertainty stands beside the errors
         "code": fingerprint(method.__module__, *EVALUATION),
         "device": device_name(),
     }
     with store.open("evaluate", identity) as run:
         if not run.finished:
             quiet_warp()  # which the metrics use
-            sequence = sequence_file.load(source.path)
+            sequence = sequence_file.load(reference.path)
+            if garment is not None and not _any_garment(method):
+                _require_garment(trained, garment, reference.name, sequence)
             with _foreign_code(run, "load"):
                 learnt = method.load(trained.folder / "method")
             roll, one = _predict(learnt, sequence, run)
             roll.save(run.folder / "rollout.h5")
             write_material(run.folder, sequence, roll)
-            write_recording(
-                run.folder / "recording.rrd", sequence, roll, f"{trained.identity['method']} on {source.name}"
-            )
+            write_recording(run.folder / "recording.rrd", sequence, roll, f"{method.name} on {reference.name}")
             run.finish(
                 {
                     "rows": measure(roll, one, sequence),
@@ -185,20 +249,83 @@ def evaluate(trained: Run, scene: str, preset: Preset, store: RunStore) -> Run:
     return store.get(run.id)
 
 
-def _predict(method: Method, sequence: Sequence, run: Run) -> tuple["RollOut", "RollOut"]:
+def _predict(method: Method, sequence: "Recording", run: Run) -> tuple["RollOut", "RollOut"]:
     """A method's free roll-out through a sequence, and its single steps."""
     from garmentbench.evaluation.rollout import one_step, roll_out
 
-    name = run.identity["method"]
-    with run.track(len(sequence) - HISTORY, f"roll-out of {name}") as step:
+    with run.track(len(sequence) - HISTORY, f"roll-out of {method.name}") as step:
         roll = roll_out(method, sequence, step)
-    with run.track(len(sequence) - HISTORY, f"single steps of {name}") as step:
+    with run.track(len(sequence) - HISTORY, f"single steps of {method.name}") as step:
         return roll, one_step(method, sequence, step)
+
+
+def _address(method: type[Method]) -> str:
+    """How to load a class again: "module:Class"."""
+    return f"{method.__module__}:{method.__qualname__}"
+
+
+def _any_garment(method: type[Method]) -> bool:
+    """Can it predict other garments than the one it was trained on?"""
+    return getattr(method, "any_garment", not getattr(method, "learns", True))
+
+
+def _first_frames(path: Path, frames: int) -> "Recording":
+    sequence = sequence_file.load(path, frames)
+    if len(sequence) < frames:
+        found = len(sequence)
+        raise UserError(f"{path}: has {found} frames, {frames} were asked for; train on at most {found}")
+    return sequence
+
+
+def garment_mesh(sequence: "Recording") -> dict[str, Any]:
+    """Which garment mesh a sequence has: name, number of vertices, and a hash of the faces."""
+    garment = sequence.template.garment
+    return {
+        "name": garment.name,
+        "vertices": len(garment.rest),
+        "faces": content_hash(garment.faces),
+    }
+
+
+def _require_garment(trained: Run, garment: dict[str, Any], scene: str, sequence: "Recording") -> None:
+    """Raises `UserError` where a method would have to predict another garment than the one it was trained on."""
+    found = garment_mesh(sequence)
+    if (found["vertices"], found["faces"]) != (garment["vertices"], garment["faces"]):
+        raise UserError(
+            f"{trained.identity['method']} was trained on {', '.join(trained.identity['train_scenes'])} "
+            f"({garment['name']}, {garment['vertices']} vertices), but {scene} has another garment "
+            f"({found['name']}, {found['vertices']} vertices); give --train-scene a scene of that garment"
+        )
+
+
+def _require_same_meshes(first: str, one: "Recording", second: str, other: "Recording") -> None:
+    """Raises `UserError` where two training sequences have different garment or body meshes."""
+
+    def body_mesh(sequence: "Recording") -> dict[str, Any]:
+        body = sequence.template.body
+        if body is None:
+            return {"name": "none", "vertices": 0, "faces": ""}
+        return {"name": body.kind, "vertices": len(body.rest), "faces": content_hash(body.faces)}
+
+    for part, mesh, same in (
+        ("garment", garment_mesh, ("vertices", "faces")),
+        ("body", body_mesh, ("name", "vertices", "faces")),
+    ):
+        mine, theirs = mesh(one), mesh(other)
+        if any(mine[key] != theirs[key] for key in same):
+            raise UserError(
+                f"train: the {part} of {first} ({mine['name']}, {mine['vertices']} vertices) is not that of {second} "
+                f"({theirs['name']}, {theirs['vertices']} vertices); give training scenes that share the meshes"
+            )
 
 
 @contextmanager
 def _foreign_code(run: Run, doing: str) -> Iterator[None]:
     """Make one line of whatever a method raises; its traceback stays in the run's folder."""
+    import traceback
+
+    from garmentbench.storage.atomic import write_text
+
     try:
         yield
     except UserError:

@@ -1,11 +1,18 @@
 """Commands about methods: list, check, train, evaluate."""
 
+import sys
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated
 
-from tyro.conf import Positional
+from tyro.conf import Positional, UseAppendAction
 
 from garmentbench.commands.table import print_table
 from garmentbench.errors import UserError
+
+if TYPE_CHECKING:
+    from garmentbench.storage.runs import Run
+
+Repeated = Annotated[tuple[str, ...], UseAppendAction]  # an option that may be given several times
 
 
 @dataclass(frozen=True)
@@ -36,11 +43,11 @@ class CheckMethod:
 
     def run(self) -> None:
         from garmentbench.evaluation.check_method import check_method
-        from garmentbench.pipeline import configuration, load_method
+        from garmentbench.pipeline import choose_method
         from garmentbench.scenes.presets import preset
 
-        method = load_method(self.method)
-        problems = check_method(method, configuration(method, "full", preset("smoke")))
+        choice = choose_method(self.method, "full", preset("smoke"))
+        problems = check_method(choice.method, choice.config)
         for problem in problems:
             print(problem)
         if problems:
@@ -50,22 +57,24 @@ class CheckMethod:
 
 @dataclass(frozen=True)
 class Train:
-    """Train a method on a scene. A finished run is reused, an interrupted one resumes.
+    """Train a method on one or more scenes. A finished run is reused, an interrupted one resumes.
 
     Example: garmentbench train motion_guided --scene tshirt-armspace-75 --preset smoke
+    Example: garmentbench train linear_subspace --scene tshirt-armspace-75 --scene tshirt-dance-latin
 
     Attributes:
-        method: A method's name, or module:Class.
-        scene: Scene to train on, or a sequence file (.h5).
+        method: A method's name, or module:Class (in an installed package or in the working folder).
+        scene: Scene to train on, or a sequence file (.h5). Several of the same garment may be given, each with --scene;
+            tshirt-armspace-75 if none is.
         preset: Size: smoke, laptop or paper.
-        frames: Train on the first so many frames.
+        frames: Train on the first so many frames of each scene.
         variant: "full", or one of the method's variants (`garmentbench methods`).
         seed: Random seed.
         device: auto, cpu or cuda.
     """
 
     method: Positional[str]
-    scene: str = "tshirt-armspace-75"
+    scene: Repeated = ()
     preset: str = "laptop"
     frames: int = 300
     variant: str = "full"
@@ -73,8 +82,9 @@ class Train:
     device: str = "auto"
 
     def run(self) -> None:
-        _ready(self.preset, self.device, self.scene)
-        run = _trained(self)
+        scenes = self.scene or ("tshirt-armspace-75",)
+        _ready(self.preset, self.device, *scenes)
+        run = _trained(self, scenes)
         print(f"{run.id}: {run.folder}")
 
 
@@ -82,21 +92,26 @@ class Train:
 class Evaluate:
     """Roll a method out on a scene and measure it, after training it if that has not been done.
 
+    Exit code 1 if the method failed (it raised, or returned something else than garment vertices). A roll-out that
+    diverged is a result: it is said on stderr, its rows say so too, and the exit code is 0.
+
     Example: garmentbench evaluate skinning --scene tshirt-armspace-90 --preset smoke
+    Example: garmentbench evaluate my_module:MyMethod --train-scene tshirt-armspace-75 --train-scene tshirt-dance-latin
 
     Attributes:
         method: A method's name, module:Class, or the id of a training's run (train-...), which is then evaluated as it is.
-        train_scene: Scene that it was, or will be, trained on, or a sequence file (.h5).
+        train_scene: Scene that it was, or will be, trained on, or a sequence file (.h5). Several of the same garment
+            may be given, each with --train-scene. If none is: the first training scene of the garment in --scene.
         scene: Scene to evaluate on, or a sequence file (.h5).
         preset: Size: smoke, laptop or paper.
-        frames: Train on the first so many frames.
+        frames: Train on the first so many frames of each scene.
         variant: "full", or one of the method's variants (`garmentbench methods`).
         seed: Random seed of the training.
         device: auto, cpu or cuda.
     """
 
     method: Positional[str]
-    train_scene: str = "tshirt-armspace-75"
+    train_scene: Repeated = ()
     scene: str = "tshirt-armspace-90"
     preset: str = "laptop"
     frames: int = 300
@@ -105,18 +120,28 @@ class Evaluate:
     device: str = "auto"
 
     def run(self) -> None:
-        from garmentbench.pipeline import evaluate
+        from garmentbench.evaluation.rollout import FAILED, OK
+        from garmentbench.pipeline import default_training_scene, evaluate, load_method
         from garmentbench.scenes.presets import preset
         from garmentbench.storage.runs import RunStore
 
         finished = self.method.startswith("train-")
-        _ready(self.preset, self.device, *([] if finished else [self.train_scene]), self.scene)
-        trained = RunStore().get(self.method) if finished else _trained(self)
+        _ready(self.preset, self.device, *self.train_scene, self.scene)
+        if finished:
+            trained = RunStore().get(self.method)
+        else:
+            method = load_method(self.method)
+            trained = _trained(self, self.train_scene or (default_training_scene(method, self.scene),))
         run = evaluate(trained, self.scene, preset(self.preset), RunStore())
-        print_table(
-            [{k: row.get(k) for k in ("metric", "horizon", "value", "unit", "status")} for row in run.results["rows"]]
-        )
+        columns = ("metric", "horizon", "value", "uncertainty", "unit", "reference_value", "status")
+        print_table([{k: row.get(k) for k in columns} for row in run.results["rows"]])
         print(f"{run.id}: {run.folder}")
+        status, frame, message = (run.results[k] for k in ("status", "first_bad_frame", "message"))
+        if status != OK:
+            said = f"{trained.identity['method']} {status} at frame {frame} of {run.identity['scene']}: {message}"
+            if status == FAILED:
+                raise UserError(said)
+            print(f"garmentbench: {said}", file=sys.stderr)
 
 
 def _ready(preset_name: str, device: str, *scenes: str) -> None:
@@ -133,11 +158,11 @@ def _ready(preset_name: str, device: str, *scenes: str) -> None:
     require_device(size)
 
 
-def _trained(options: Train | Evaluate):
-    from garmentbench.pipeline import train
+def _trained(options: Train | Evaluate, scenes: tuple[str, ...]) -> "Run":
+    from garmentbench.pipeline import choose_method, train
     from garmentbench.scenes.presets import preset
     from garmentbench.storage.runs import RunStore
 
-    scene = options.scene if isinstance(options, Train) else options.train_scene
     size = preset(options.preset)
-    return train(options.method, options.variant, scene, size, options.frames, options.seed, RunStore())
+    choice = choose_method(options.method, options.variant, size)
+    return train(choice, scenes, size, options.frames, options.seed, RunStore())

@@ -54,7 +54,7 @@ def _try_scene(method: type[Method], config: Any, kind: str) -> list[Problem]:
         folder.mkdir()
         part = "fit"
         try:
-            trained = method.fit(train, config, run)
+            trained = method.fit((train,), config, run)
             part = "save"
             trained.save(folder)
             part = "load"

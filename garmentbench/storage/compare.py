@@ -22,9 +22,16 @@ def list_rows(runs: list[Run]) -> list[dict[str, str]]:
 def _about(identity: dict) -> str:
     """The names in an identity, outermost first: method, variant, scenes, preset, seed."""
     words = []
-    for key in ("method", "variant", "train_scene", "scene", "preset", "frames", "seed"):
+    for key in ("method", "variant", "train_scenes", "scene", "preset", "frames", "seed"):
         if key in identity:
-            words.append(f"{key} {identity[key]}" if key in ("frames", "seed") else str(identity[key]))
+            value = identity[key]
+            words.append(
+                f"{key} {value}"
+                if key in ("frames", "seed")
+                else "+".join(value)
+                if isinstance(value, list)
+                else str(value)
+            )
     return " ".join(words)
 
 

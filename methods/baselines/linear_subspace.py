@@ -52,15 +52,14 @@ class LinearSubspace:
         self.skin_of = SkinOf(len(seeds), seeds, upright_objects=True)
 
     @classmethod
-    def fit(cls, train: Sequence, config: Config, run: FitRun) -> "LinearSubspace":
-        """Closed form; nothing is random."""
-        skin = Skin.of(train.template, config.seeds, upright_objects=True)
-        bodies = [None] * len(train) if train.body is None else train.body
-        shapes = np.array([_displacement(skin, b, g) for b, g in zip(bodies, train.garment)])
-        inputs = np.array([seed_features(skin.seeds, bodies[t - HISTORY : t + 1]) for t in range(HISTORY, len(train))])
-        garment, body = Subspace.of(shapes, config.codes), Subspace.of(inputs, config.body_codes)
-        dynamics = fit_dynamics(garment.encode(shapes[HISTORY:]), body.encode(inputs))
+    def fit(cls, train: tuple[Sequence, ...], config: Config, run: FitRun) -> "LinearSubspace":
+        """Closed form; nothing is random. All bodies have the seeds that were chosen on the first."""
+        skin = Skin.of(train[0].template, config.seeds, upright_objects=True)
         seeds = np.zeros(0, np.int64) if skin.seeds is None else skin.seeds.vertices
+        recorded = [_recorded(sequence, seeds) for sequence in train]
+        garment = Subspace.of(np.concatenate([shapes for shapes, _ in recorded]), config.codes)
+        body = Subspace.of(np.concatenate([inputs for _, inputs in recorded]), config.body_codes)
+        dynamics = fit_dynamics([(garment.encode(z[HISTORY:]), body.encode(f)) for z, f in recorded])
         return cls(seeds, garment, body, dynamics)
 
     def save(self, folder: Path) -> None:
@@ -92,6 +91,16 @@ class LinearSubspace:
         code = advance(self.dynamics, state.last, state.before, inputs)
         garment = place(maps, state.skin.rest + self.garment.decode(code).reshape(-1, 3)).astype(np.float32)
         return garment, replace(state, bodies=None if bodies is None else bodies[1:], last=code, before=state.last)
+
+
+def _recorded(sequence: Sequence, seeds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A sequence's canonical displacements [m], shape (T, 3 V), and its seed features from the fourth frame on, shape
+    (T - 3, D)."""
+    skin = Skin.of(sequence.template, len(seeds), seeds, upright_objects=True)
+    bodies = [None] * len(sequence) if sequence.body is None else sequence.body
+    shapes = [_displacement(skin, b, g) for b, g in zip(bodies, sequence.garment)]
+    inputs = [seed_features(skin.seeds, bodies[t - HISTORY : t + 1]) for t in range(HISTORY, len(sequence))]
+    return np.array(shapes), np.array(inputs)
 
 
 def _displacement(skin: Skin, body: np.ndarray | None, garment: np.ndarray) -> np.ndarray:

@@ -6,6 +6,7 @@ from itertools import product
 import numpy as np
 
 from garmentbench.errors import UserError
+from garmentbench.method import HISTORY
 
 STRENGTHS = tuple(10.0 ** np.arange(-6, 1))  # of the ridge, relative to the largest variance among the inputs
 _HELD_OUT = 0.25  # of the frames, the last ones
@@ -34,28 +35,38 @@ class Subspace:
         return self.mean + codes @ self.basis
 
 
-def fit_dynamics(z: np.ndarray, f: np.ndarray) -> np.ndarray:
-    """The map from [z_t-1, z_t-2, f_t, 1] to z_t, shape (2 K + Q + 1, K).
+Recording = tuple[np.ndarray, np.ndarray]  # codes, shape (T, K), and the input of each frame, shape (T, Q)
 
-    How strongly A and B are held small is chosen by a free roll-out over the last quarter of the frames, after a fit to
-    the rest; strengths that let the dynamics grow (spectral radius of A at least 1) are left out. The map is then fitted
-    to all. Raises `UserError` where no strength is left.
 
-    Args:
-        z: Codes, shape (T, K).
-        f: The input of each frame, shape (T, Q).
+def fit_dynamics(recordings: list[Recording]) -> np.ndarray:
+    """The map from [z_t-1, z_t-2, f_t, 1] to z_t, shape (2 K + Q + 1, K), from one or more recordings.
+
+    How strongly A and B are held small is chosen by free roll-outs over the last quarter of each recording, after a fit
+    to the rest; strengths that let the dynamics grow (spectral radius of A at least 1) are left out. The map is then
+    fitted to all. Raises `UserError` where no strength is left, or where the recordings are too short.
     """
-    cut = int(len(z) * (1 - _HELD_OUT))
+    cuts = [int(len(z) * (1 - _HELD_OUT)) for z, _ in recordings]
+    if min(cuts) < 3:
+        shortest = HISTORY + min(len(z) for z, _ in recordings)
+        raise UserError(f"linear_subspace: a training sequence has {shortest} frames; wanted at least {HISTORY + 4}")
+    earlier = transitions([(z[:cut], f[:cut]) for (z, f), cut in zip(recordings, cuts, strict=True)])
+    complete = transitions(recordings)
     error = {}
     for strengths in product(STRENGTHS, STRENGTHS):
-        part = _ridge(z[:cut], f[:cut], *strengths)
-        whole = _ridge(z, f, *strengths)
+        part, whole = _ridge(*earlier, *strengths), _ridge(*complete, *strengths)
         if max(_spectral_radius(part), _spectral_radius(whole)) < 1:
-            error[strengths] = np.linalg.norm(_roll_out(part, z, f, cut) - z[cut:], axis=1).mean()
+            missed = [_roll_out(part, z, f, cut) - z[cut:] for (z, f), cut in zip(recordings, cuts, strict=True)]
+            error[strengths] = np.linalg.norm(np.concatenate(missed), axis=1).mean()
     if not error:
         raise UserError("linear_subspace: the fitted motion grows without bound; train on a longer or calmer sequence")
     near_best = [s for s, e in error.items() if e <= _TOLERANCE * min(error.values())]
-    return _ridge(z, f, *max(near_best, key=lambda s: s[0] * s[1]))
+    return _ridge(*complete, *max(near_best, key=lambda s: s[0] * s[1]))
+
+
+def transitions(recordings: list[Recording]) -> Recording:
+    """Inputs [z_t-1, z_t-2, f_t], shape (N, 2 K + Q), and targets z_t, shape (N, K), of all steps within a recording."""
+    inputs = [np.concatenate([z[1:-1], z[:-2], f[2:]], axis=1) for z, f in recordings]
+    return np.concatenate(inputs), np.concatenate([z[2:] for z, _ in recordings])
 
 
 def advance(dynamics: np.ndarray, last: np.ndarray, before: np.ndarray, f: np.ndarray) -> np.ndarray:
@@ -63,10 +74,10 @@ def advance(dynamics: np.ndarray, last: np.ndarray, before: np.ndarray, f: np.nd
     return np.concatenate([last, before, f, [1.0]]) @ dynamics
 
 
-def _ridge(z: np.ndarray, f: np.ndarray, on_codes: float, on_input: float) -> np.ndarray:
-    inputs, target = np.concatenate([z[1:-1], z[:-2], f[2:]], axis=1), z[2:]
+def _ridge(inputs: np.ndarray, target: np.ndarray, on_codes: float, on_input: float) -> np.ndarray:
+    """The map from `transitions`' inputs to their targets; the ridge's strengths on the two parts of the input."""
     x_mean, y_mean = inputs.mean(axis=0), target.mean(axis=0)
-    x, y, split = inputs - x_mean, target - y_mean, 2 * z.shape[1]
+    x, y, split = inputs - x_mean, target - y_mean, 2 * target.shape[1]
     gram = x.T @ x
     scale = np.diag(gram)
     weight = np.full(len(gram), on_codes * scale[:split].max())

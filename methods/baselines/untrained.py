@@ -22,6 +22,7 @@ class Untrained:
 
     name: ClassVar[str]
     random = False
+    learns = False
     Config = Config
 
     def __init__(self, config: Config) -> None:
@@ -29,7 +30,7 @@ class Untrained:
         self.skin_of = SkinOf(config.seeds)
 
     @classmethod
-    def fit(cls, train: Sequence, config: Config, run: FitRun) -> Self:
+    def fit(cls, train: tuple[Sequence, ...], config: Config, run: FitRun) -> Self:
         """Nothing is learnt."""
         return cls(config)
 

@@ -52,6 +52,13 @@ class BodyFrames:
         """Some of the frames, by index."""
         return BodyFrames(self.origin[frames.numpy()], self.axes[frames.numpy()], self.pose.at(frames))
 
+    @classmethod
+    def joined(cls, parts: list["BodyFrames"]) -> "BodyFrames":
+        """The frames of several sequences, one after another."""
+        poses = zip(*(vars(part.pose).values() for part in parts), strict=True)
+        origin, axes = (np.concatenate([getattr(part, name) for part in parts]) for name in ("origin", "axes"))
+        return cls(origin, axes, Pose(*(torch.cat(column) for column in poses)))
+
     def local(self, points: np.ndarray) -> Tensor:
         """World points [m], shape (T, V, 3), in the frames' coordinates."""
         return to_tensor((points - self.origin) @ self.axes, self.pose.seeds.device)

@@ -57,12 +57,16 @@ class MotionGuided:
         self.device = generative.rest.device
 
     @classmethod
-    def fit(cls, train: Sequence, config: Config, run: FitRun) -> "MotionGuided":
-        """Train on a sequence. Raises `UserError` where there is no body to be relative to."""
+    def fit(cls, train: tuple[Sequence, ...], config: Config, run: FitRun) -> "MotionGuided":
+        """Train on sequences; the canonical pose is that of the first one's body and garment.
+
+        Raises `UserError` where there is no body to be relative to.
+        """
         torch.set_flush_denormal(True)  # denormal numbers slow C's convolutions sixfold
-        canonical, config = Canonical.of(train.template, config.model.seeds), for_scene(config, train.template.needs)
+        template = train[0].template
+        canonical, config = Canonical.of(template, config.model.seeds), for_scene(config, template.needs)
         generative, dynamics = train_stages(train, canonical, config, run, _device())
-        return cls(canonical, config, generative, dynamics, train.template.needs.interaction_force)
+        return cls(canonical, config, generative, dynamics, template.needs.interaction_force)
 
     def save(self, folder: Path) -> None:
         """Write config.json, canonical.npz and weights.pt."""

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+import numpy as np
 import torch
 from torch import Tensor
 
@@ -12,7 +13,7 @@ from garmentbench.methods.motion_guided.inputs import Past, past_of
 from garmentbench.methods.motion_guided.posing import RandomPoses
 from garmentbench.methods.motion_guided.stage1 import TrainingFrames
 
-FIRST = 3  # the first frame with a velocity and an acceleration before it
+FIRST = 3  # the first frame of a sequence with a velocity and an acceleration before it
 CHUNK = 16  # frames at once where no gradient is needed
 
 
@@ -40,19 +41,23 @@ class Sample:
 
 
 class Recorded:
-    """Samples of the training frames as they are."""
+    """Samples of the training frames as they are.
+
+    Attributes:
+        targets: Frames t with three frames of the same sequence before them, shape (samples,).
+    """
 
     def __init__(self, model: GenerativeModel, frames: TrainingFrames) -> None:
         body, steps = frames.body, torch.arange(1, len(frames))
         self.garments, self.pose = frames.garments, body.pose
         self.links = link(body.at(steps - 1), body.at(steps))
         self.codes = encode_all(model, frames)
-
-    def __len__(self) -> int:
-        return len(self.garments)
+        ends = np.cumsum(frames.lengths)
+        spans = [torch.arange(end - length + FIRST, end) for length, end in zip(frames.lengths, ends, strict=True)]
+        self.targets = torch.cat(spans)
 
     def at(self, t: Tensor) -> Sample:
-        """Samples of frames `t` (of `FIRST` on), shape (batch,)."""
+        """Samples of frames `t` (some of `targets`), shape (batch,)."""
         garments = [self.garments[t - k] for k in (3, 2, 1, 0)]
         links = [self.links.at(t - k - 1) for k in (2, 1, 0)]
         poses = [self.pose.at(t - k) for k in (1, 0)]
@@ -68,7 +73,7 @@ class Reposed:
 
     @torch.no_grad()
     def at(self, t: Tensor, random: torch.Generator) -> Sample:
-        """Samples of frames `t` (of `FIRST` on), shape (batch,)."""
+        """Samples of frames `t` (some of `Recorded.targets`), shape (batch,)."""
         recorded, model = self.recorded, self.model
         whole, limbs = self.poses.draw(len(t), random)
         pose = [self.poses.turned(recorded.pose.at(t - k), whole, limbs) for k in (3, 2, 1, 0)]

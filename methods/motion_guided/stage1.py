@@ -22,19 +22,29 @@ from garmentbench.sequence import Sequence
 
 @dataclass(frozen=True)
 class TrainingFrames:
-    """The training sequence as tensors. `garments`: in the coordinates of `body` [m], shape (T, V, 3)."""
+    """The training sequences as tensors, one after another, T frames together.
+
+    Attributes:
+        garments: In the coordinates of `body` [m], shape (T, V, 3).
+        body: The body in each frame.
+        lengths: Frames of each sequence.
+    """
 
     garments: Tensor
     body: BodyFrames
+    lengths: tuple[int, ...]
 
     def __len__(self) -> int:
         return len(self.garments)
 
 
-def training_frames(sequence: Sequence, canonical: Canonical, options: Model, device: torch.device) -> TrainingFrames:
-    """Garment and seeds of every frame of a sequence."""
-    body = body_frames(sequence.body, canonical.seeds, options.seed_rotation, options.axes, device)
-    return TrainingFrames(body.local(sequence.garment), body)
+def training_frames(
+    sequences: tuple[Sequence, ...], canonical: Canonical, options: Model, device: torch.device
+) -> TrainingFrames:
+    """Garment and seeds of every frame of the sequences."""
+    bodies = [body_frames(s.body, canonical.seeds, options.seed_rotation, options.axes, device) for s in sequences]
+    garments = [body.local(s.garment) for s, body in zip(sequences, bodies, strict=True)]
+    return TrainingFrames(torch.cat(garments), BodyFrames.joined(bodies), tuple(len(s) for s in sequences))
 
 
 def fit_stage1(

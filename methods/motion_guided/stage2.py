@@ -12,7 +12,7 @@ from garmentbench.methods.motion_guided.inputs import Inputs, dynamic_inputs, fl
 from garmentbench.methods.motion_guided.limbs import Limbs
 from garmentbench.methods.motion_guided.losses import dynamic_pair, latent_regulariser
 from garmentbench.methods.motion_guided.posing import RandomPoses
-from garmentbench.methods.motion_guided.samples import CHUNK, FIRST, Recorded, Reposed, Sample
+from garmentbench.methods.motion_guided.samples import CHUNK, Recorded, Reposed, Sample
 from garmentbench.methods.motion_guided.stage1 import TrainingFrames
 from garmentbench.methods.motion_guided.training import batch_at, generator, train
 
@@ -51,9 +51,10 @@ def fit_stage2(
         solve_pose_path(model, dynamics, recorded, reposed, run.seed)
 
     def loss(step: int) -> dict[str, Tensor]:
-        t = FIRST + batch_at(step, options.training.batch, len(recorded) - FIRST, run.seed)
+        chosen = batch_at(step, options.training.batch, len(recorded.targets), run.seed)
+        t = recorded.targets[chosen]
         sample = recorded.at(t) if reposed is None else reposed.at(t, generator(run.seed, step))
-        inputs = cached.at(t - FIRST) if cached else sample_inputs(model, sample, options, touches)
+        inputs = cached.at(chosen) if cached else sample_inputs(model, sample, options, touches)
         return stage2_loss(model, dynamics, sample, inputs, options)
 
     train(dynamics, loss, options.training, run, "stage 2: dynamics")
@@ -70,9 +71,9 @@ def solve_pose_path(
     model: GenerativeModel, dynamics: DynamicEncoder, recorded: Recorded, reposed: Reposed | None, seed: int
 ) -> None:
     """Set the pose path to the ridge regression of the codes on the seeds, over all frames in `POSES` random poses."""
-    t, places, codes = torch.arange(FIRST, len(recorded)), [], []
+    places, codes = [], []
     for k in range(POSES if reposed else 1):
-        for chunk in t.split(CHUNK):
+        for chunk in recorded.targets.split(CHUNK):
             sample = reposed.at(chunk, generator(seed, k, int(chunk[0]))) if reposed else recorded.at(chunk)
             places.append(flat_place(model, sample.now.seeds, sample.on(sample.before.seeds)))
             codes.append(sample.code)
@@ -82,8 +83,8 @@ def solve_pose_path(
 
 
 def all_inputs(model: GenerativeModel, recorded: Recorded, options: Stage2, touches: bool) -> Inputs:
-    """Inputs of all frames from `FIRST` on."""
-    chunks = torch.arange(FIRST, len(recorded)).split(CHUNK)
+    """Inputs of all `recorded.targets`."""
+    chunks = recorded.targets.split(CHUNK)
     return Inputs.joined([sample_inputs(model, recorded.at(t), options, touches) for t in chunks])
 
 

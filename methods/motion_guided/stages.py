@@ -1,7 +1,9 @@
 """Training in stages, each a run of its own that all variants share which do not differ in what decides it."""
 
 import hashlib
+from collections.abc import Iterable
 from dataclasses import asdict
+from typing import Any
 
 import torch
 
@@ -15,29 +17,32 @@ from garmentbench.methods.motion_guided.sdf import SignedDistance, fit_sdf
 from garmentbench.methods.motion_guided.stage1 import TrainingFrames, fit_stage1, training_frames
 from garmentbench.methods.motion_guided.stage2 import fit_stage2
 from garmentbench.methods.motion_guided.training import WEIGHTS, load
-from garmentbench.sequence import Sequence
+from garmentbench.sequence import Sequence, Template
 from garmentbench.storage.fingerprint import fingerprint
 
 
 def train_stages(
-    train: Sequence, canonical: Canonical, config: Config, run: FitRun, device: torch.device
+    train: tuple[Sequence, ...], canonical: Canonical, config: Config, run: FitRun, device: torch.device
 ) -> tuple[GenerativeModel, DynamicEncoder]:
-    """SDF_0 (where there is a human body), stage 1 and stage 2; what is finished already is read back."""
-    identity = {"seed": run.seed, "device": device.type, "template": _digest(train, frames=False)}
-    sdf = _sdf(train, config, run, device, identity) if train.template.needs.body else None
-    identity |= {"frames": _digest(train, frames=True)}
+    """SDF_0 (where there is a human body), stage 1 and stage 2; finished stages are read back."""
+    template = train[0].template
+    identity = {"seed": run.seed, "device": device.type, "template": _digest(_template_arrays(template))}
+    sdf = _sdf(template, config, run, device, identity) if template.needs.body else None
+    identity |= {
+        "frames": _digest(array for s in train for array in (*_template_arrays(s.template), s.garment, s.body))
+    }
     frames = training_frames(train, canonical, config.model, device)
-    limbs = find_limbs(train.template.body, canonical.seeds)
+    limbs = find_limbs(template.body, canonical.seeds)
     generative = _stage1(frames, canonical, limbs, sdf, config, run, identity)
-    touches = train.template.needs.interaction_force
+    touches = template.needs.interaction_force
     return generative, _stage2(frames, generative, limbs, touches, config, run, identity)
 
 
-def _sdf(train: Sequence, config: Config, run: FitRun, device: torch.device, identity: dict) -> SignedDistance:
+def _sdf(template: Template, config: Config, run: FitRun, device: torch.device, identity: dict) -> SignedDistance:
     about = {**identity, "sdf": asdict(config.sdf), "code": fingerprint("garmentbench.methods.motion_guided.sdf")}
     stage = run.stage("sdf", about)
     if not stage.finished:
-        fit_sdf(train.template, config.sdf, stage, device)
+        fit_sdf(template, config.sdf, stage, device)
         stage.finish()
     network = SignedDistance(config.sdf).to(device)
     network.load_state_dict(load(stage.folder / WEIGHTS, device))
@@ -84,12 +89,12 @@ def _stage2(
     return dynamics.requires_grad_(False)
 
 
-def _digest(train: Sequence, frames: bool) -> str:
-    """Hash of the template, or of the whole sequence."""
-    body = train.template.body
-    arrays = [*vars(train.template.garment).values(), *vars(body).values()]
-    if frames:
-        arrays += [train.garment, train.body]
+def _template_arrays(template: Template) -> list[Any]:
+    return [*vars(template.garment).values(), *vars(template.body).values()]
+
+
+def _digest(arrays: Iterable[Any]) -> str:
+    """Hash of arrays and names."""
     digest = hashlib.blake2b(digest_size=8)
     for array in arrays:
         digest.update(array.tobytes() if hasattr(array, "tobytes") else repr(array).encode())

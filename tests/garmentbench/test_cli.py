@@ -241,8 +241,9 @@ def test_a_damaged_sequence_is_never_trained_on(tiny, home, capsys, monkeypatch)
     ],
 )
 def test_a_bad_method_keeps_its_rows_with_its_status(tiny, capsys, method, status, message):
-    code, out, _ = typed(capsys, *evaluate(method, tiny))
-    assert code == 0 and status in out
+    code, out, lines = typed(capsys, *evaluate(method, tiny))
+    assert code == (1 if status == "failed" else 0) and status in out
+    assert f"{status} at frame 7 of tiny" in lines[-1] and message in lines[-1]
     run = RunStore().list({"kind": "evaluate"})[0]
     assert run.results["status"] == status and run.results["first_bad_frame"] == 7 and message in run.results["message"]
     rows = {row["metric"]: row for row in run.results["rows"]}
@@ -258,7 +259,7 @@ def test_a_good_method_is_trained_and_evaluated_once(tiny, capsys):
     assert typed(capsys, *evaluate("Good", tiny))[0] == 0
     assert [(r.folder / "run.json").stat().st_mtime_ns for r in runs] == before
 
-    code, out, _ = typed(capsys, "runs", "kind=evaluate", "method=foreign_methods:Good")
+    code, out, _ = typed(capsys, "runs", "kind=evaluate", "method=good")
     assert code == 0 and runs[1].id in out and runs[0].id not in out
     code, out, _ = typed(capsys, "runs", "--compare", runs[0].id, runs[1].id)
     assert code == 0 and "identity.trained" in out and "rollout_l2" in out
@@ -298,9 +299,9 @@ def test_a_disk_that_fills_leaves_no_result_that_looks_whole(tiny, home, capsys,
     err = full.communicate(timeout=60)[1].splitlines()
     assert full.returncode == 1 and "can't be written" in err[-1] and "same command again" in err[-1]
     assert not any("Traceback" in line for line in err) and not list(home.rglob("*.partial"))
-    assert not RunStore().list({"kind": "evaluate", "method": "foreign_methods:Good", "state": "finished"})
+    assert not RunStore().list({"kind": "evaluate", "class": "foreign_methods:Good", "state": "finished"})
     assert typed(capsys, *evaluate("Good", tiny))[0] == 0
-    assert RunStore().list({"kind": "evaluate", "method": "foreign_methods:Good", "state": "finished"})
+    assert RunStore().list({"kind": "evaluate", "class": "foreign_methods:Good", "state": "finished"})
 
 
 def test_ctrl_c_in_a_simulation_then_the_same_command(home):

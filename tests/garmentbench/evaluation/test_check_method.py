@@ -18,8 +18,8 @@ from foreign_methods import (
 )
 
 from garmentbench.evaluation.check_method import check_method
-from garmentbench.methods import METHODS
-from garmentbench.pipeline import configuration, load_method
+from garmentbench.methods import METHODS, load_method
+from garmentbench.pipeline import choose_method
 from garmentbench.scenes.presets import preset
 
 
@@ -52,7 +52,7 @@ def test_a_good_method_passes():
 @pytest.mark.parametrize("name", METHODS)
 def test_our_own_methods_keep_the_contract(name):
     method = load_method(name)
-    config = configuration(method, "full", preset("smoke"))
+    config = choose_method(method, "full", preset("smoke")).config
     if name == "motion_guided":
         for stage in ("sdf", "stage1", "stage2"):
             options = getattr(config, stage)

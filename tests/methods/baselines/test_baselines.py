@@ -19,7 +19,7 @@ KINDS = ("human", "object", None)
 
 def fitted(name, train):
     method = load_method(name)
-    return method.fit(train, method.Config(), None)
+    return method.fit((train,), method.Config(), None)
 
 
 def error_cm(method, test, run=roll_out):

@@ -95,4 +95,4 @@ def store(tmp_path_factory) -> RunStore:
 @pytest.fixture(scope="session")
 def trained(sequence, config, store) -> MotionGuided:
     with store.open("train", {"seed": 0}) as run:
-        return MotionGuided.fit(sequence, config, run)
+        return MotionGuided.fit((sequence,), config, run)

@@ -74,7 +74,7 @@ def test_another_garment_is_refused_in_one_line(trained, sequence):
 def test_a_scene_without_a_body_is_refused_in_one_line(sequence, config, store):
     bare = replace(sequence, template=replace(sequence.template, body=None), body=None)
     with pytest.raises(UserError, match="has none"), store.open("train", {"seed": 9}) as run:
-        MotionGuided.fit(bare, config, run)
+        MotionGuided.fit((bare,), config, run)
 
 
 def test_not_a_number_is_returned_as_it_is(trained, sequence):
@@ -92,7 +92,7 @@ def test_every_parameter_gets_a_gradient(sequence, config, linear_paths):
     canonical = Canonical.of(sequence.template, sizes.seeds)
     model = GenerativeModel(canonical, sizes)
     pressed = sequence.garment - 0.4 * (sequence.garment - sequence.body.mean(axis=1, keepdims=True))  # into the body
-    frames = training_frames(replace(sequence, garment=pressed), canonical, sizes, cpu)
+    frames = training_frames((replace(sequence, garment=pressed),), canonical, sizes, cpu)
     chosen = torch.tensor([4, 9])
     pose = frames.body.pose.at(chosen)
     stage1_loss(model, None, frames.garments[chosen], pose, 0, config.stage1, torch.Generator())["total"].backward()

@@ -28,7 +28,7 @@ def prepared(sequence, config):
     torch.manual_seed(0)
     canonical = Canonical.of(sequence.template, config.model.seeds)
     model = GenerativeModel(canonical, replace(config.model, latent=64)).requires_grad_(False)
-    frames = training_frames(sequence, canonical, config.model, CPU)
+    frames = training_frames((sequence,), canonical, config.model, CPU)
     set_displacement_space(model, canonical, frames.garments, frames.body.pose)
     return canonical, model, frames, find_limbs(sequence.template.body, canonical.seeds)
 

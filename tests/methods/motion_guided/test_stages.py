@@ -26,7 +26,7 @@ def test_variants_share_all_stages_that_they_do_not_change(sequence, config, tmp
     counts = {}
     for name, change in VARIANTS.items():
         with store.open("train", {"seed": 0, "variant": name}) as run:
-            MotionGuided.fit(sequence, change(config), run)
+            MotionGuided.fit((sequence,), change(config), run)
         counts[name] = tuple(len(_stages(store).get(kind, [])) for kind in ("sdf", "stage1", "stage2"))
     assert counts == {
         "full": (1, 1, 1),
@@ -40,7 +40,7 @@ def test_variants_share_all_stages_that_they_do_not_change(sequence, config, tmp
 def test_beside_an_object_there_is_no_sdf_no_collision_stage_and_one_radius(object_sequence, config, tmp_path):
     store = RunStore(tmp_path)
     with store.open("train", {"seed": 0}) as run:
-        method = MotionGuided.fit(object_sequence, config, run)
+        method = MotionGuided.fit((object_sequence,), config, run)
     assert set(_stages(store)) == {"stage1", "stage2"}
     assert "sdf" not in store.list({"kind": "stage1"})[0].metrics()[0]
     assert method.generative.log_radii.shape == (1,)
@@ -58,9 +58,9 @@ def test_a_radius_for_each_part_that_has_seeds(trained):
 
 def test_the_seed_of_the_run_decides_the_weights(sequence, config, store, trained):
     with store.open("train", {"seed": 1}) as run:
-        other = MotionGuided.fit(sequence, config, run)
+        other = MotionGuided.fit((sequence,), config, run)
     with store.open("train", {"seed": 0, "again": True}) as run:
-        same = MotionGuided.fit(sequence, config, run)
+        same = MotionGuided.fit((sequence,), config, run)
     weight = trained.dynamics.encoder.linear.weight
     assert torch.equal(same.dynamics.encoder.linear.weight, weight)
     assert not torch.equal(other.dynamics.encoder.linear.weight, weight)
@@ -82,7 +82,7 @@ def test_a_fit_killed_in_any_stage_goes_on_to_the_same_bits(sequence, config, tm
     while True:
         try:
             with store.open("train", {"seed": 0}) as run:
-                method = MotionGuided.fit(sequence, config, run)
+                method = MotionGuided.fit((sequence,), config, run)
             break
         except KeyboardInterrupt:
             kills += 1

@@ -1,0 +1,115 @@
+"""Training on one or more scenes and evaluating, as typed: names resolved once, other garments refused, failures told."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from garmentbench import paths, sequence_file
+from garmentbench.cli import main
+from garmentbench.errors import UsageError
+from garmentbench.evaluation.toy import tiny_sequence
+from garmentbench.methods import load_method
+from garmentbench.pipeline import choose_method, default_training_scene
+from garmentbench.scenes.presets import preset
+from garmentbench.storage.runs import RunStore
+
+SMALL = ("--preset", "smoke", "--frames", "20")
+
+
+@pytest.fixture
+def files(tmp_path, monkeypatch):
+    """Three sequences of one garment and one of another, as files; runs go to an empty place. Their names by role."""
+    for name in ("RUNS", "GENERATED", "REPORTS"):
+        monkeypatch.setattr(paths, name, tmp_path / name.lower())
+    monkeypatch.chdir(tmp_path)
+    sequences = {"one": tiny_sequence(20), "two": tiny_sequence(20, phase=1.0), "test": tiny_sequence(20, phase=2.0)}
+    garment = sequences["one"].template.garment
+    cut = replace(garment, name="cut_tube", faces=garment.faces[:-1])
+    sequences["other"] = replace(sequences["one"], template=replace(sequences["one"].template, garment=cut))
+    sequences["object"] = tiny_sequence(20, "object")
+    for name, sequence in sequences.items():
+        sequence_file.save(sequence, tmp_path / f"{name}.h5")
+    return tmp_path
+
+
+def typed(capsys, *arguments: str) -> tuple[int, str, list[str]]:
+    code = main(arguments)
+    out, err = capsys.readouterr()
+    return code, out, err.splitlines()
+
+
+def test_several_training_scenes_are_typed_one_by_one(files, capsys):
+    scenes = ("--train-scene", "one.h5", "--train-scene", "two.h5", "--scene", "test.h5")
+    code, out, lines = typed(capsys, "evaluate", "linear_subspace", *scenes, *SMALL)
+    assert code == 0, lines
+    store = RunStore()
+    trained, evaluated = store.list({"kind": "train"})[0], store.list({"kind": "evaluate"})[0]
+    assert trained.identity["train_scenes"] == evaluated.identity["train_scenes"] == ["one", "two"]
+    assert typed(capsys, "train", "linear_subspace", "--scene", "one.h5", "--scene", "two.h5", *SMALL)[0] == 0
+    assert len(store.list({"kind": "train"})) == 1  # the same training
+    assert "one+two" in typed(capsys, "runs")[1]
+
+
+def test_training_scenes_of_different_garments_are_refused_by_name(files, capsys):
+    code, _, lines = typed(capsys, "train", "hold", "--scene", "one.h5", "--scene", "other.h5", *SMALL)
+    assert code == 1 and len(lines) == 1
+    assert "the garment of one (tube, 105 vertices) is not that of other (cut_tube, 105 vertices)" in lines[0]
+    code, _, lines = typed(capsys, "train", "hold", "--scene", "one.h5", "--scene", "object.h5", *SMALL)
+    assert code == 1 and "the body of one (human" in lines[0]
+
+
+def test_a_method_trained_on_another_garment_is_refused_before_it_is_rolled_out(files, capsys):
+    code, out, lines = typed(
+        capsys, "evaluate", "linear_subspace", "--train-scene", "one.h5", "--scene", "other.h5", *SMALL
+    )
+    assert code == 1 and out == "" and len(lines) == 1
+    assert "trained on one (tube, 105 vertices), but other has another garment (cut_tube" in lines[0]
+    assert "--train-scene" in lines[0]
+    assert not RunStore().list({"kind": "evaluate", "state": "finished"})
+    scenes = ("--train-scene", "one.h5", "--scene", "other.h5")
+    assert typed(capsys, "evaluate", "skinning", *scenes, *SMALL)[0] == 0, "skinning learns nothing of a garment"
+
+
+@pytest.mark.parametrize(
+    ("scene", "trained_on"),
+    [
+        ("tshirt-armspace-90", "tshirt-armspace-75"),
+        ("dress-armspace-90", "dress-armspace-75"),
+        ("over_skirt-armspace-90", "over_skirt-armspace-75"),
+        ("sheet-stick-b", "sheet-stick-a"),
+    ],
+)
+def test_the_training_scene_follows_from_the_garment_of_the_test_scene(scene, trained_on):
+    assert default_training_scene(load_method("linear_subspace"), scene) == trained_on
+
+
+def test_a_garment_without_a_training_scene_needs_one_to_be_named(files):
+    with pytest.raises(
+        UsageError, match="no training scene has the garment 'tube' of one.h5; give one with --train-scene"
+    ):
+        default_training_scene(load_method("linear_subspace"), "one.h5")
+    assert default_training_scene(load_method("skinning"), "one.h5") == "one.h5"
+
+
+def test_the_class_is_called_by_its_name_in_runs_and_tables(files, capsys):
+    scenes = ("--train-scene", "one.h5", "--scene", "test.h5")
+    assert typed(capsys, "evaluate", "foreign_methods:Good", *scenes, *SMALL)[0] == 0
+    out = typed(capsys, "runs", "method=good")[1]
+    assert out.count("good full one") == 2 and "foreign_methods" not in out
+
+
+def test_a_module_in_the_working_folder_is_found(files, monkeypatch):
+    (files / "my_module.py").write_text("from foreign_methods import Good\n\nclass Mine(Good):\n    name = 'mine'\n")
+    monkeypatch.setattr("sys.path", [p for p in __import__("sys").path if p not in ("", str(files))])
+    choice = choose_method("my_module:Mine", "full", preset("smoke"))
+    assert (choice.name, choice.variant, choice.random) == ("mine", "full", False)
+
+
+def test_a_diverged_roll_out_is_a_result_and_a_failed_one_an_error(files, capsys):
+    scenes = ("--train-scene", "one.h5", "--scene", "test.h5")
+    code, out, lines = typed(capsys, "evaluate", "foreign_methods:NaN", *scenes, *SMALL)
+    assert code == 0 and "rollout_l2" in out and "good diverged at frame 7 of test: 105 of 105 vertices" in lines[-1]
+    code, out, lines = typed(capsys, "evaluate", "foreign_methods:Raises", *scenes, *SMALL)
+    assert code == 1 and "rollout_l2" in out and "good failed at frame 7 of test: raised ZeroDivision" in lines[-1]
+    assert np.isnan([r["value"] for r in RunStore().list({"kind": "evaluate"})[-1].results["rows"]]).any()
