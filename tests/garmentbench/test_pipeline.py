@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from garmentbench import paths, sequence_file
+from garmentbench import sequence_file
 from garmentbench.cli import main
 from garmentbench.errors import UsageError
 from garmentbench.evaluation.toy import tiny_sequence
@@ -20,8 +20,6 @@ SMALL = ("--preset", "smoke", "--frames", "20")
 @pytest.fixture
 def files(tmp_path, monkeypatch):
     """Three sequences of one garment and one of another, as files; runs go to an empty place. Their names by role."""
-    for name in ("RUNS", "GENERATED", "REPORTS"):
-        monkeypatch.setattr(paths, name, tmp_path / name.lower())
     monkeypatch.chdir(tmp_path)
     sequences = {"one": tiny_sequence(20), "two": tiny_sequence(20, phase=1.0), "test": tiny_sequence(20, phase=2.0)}
     garment = sequences["one"].template.garment
