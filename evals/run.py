@@ -19,7 +19,8 @@ from garmentbench.evaluation.rollout import RollOut
 from garmentbench.report.card import read_card
 from garmentbench.scenes.presets import Preset
 from garmentbench.scenes.scene import Scene, load_scene
-from garmentbench.storage.jobs import Failure, Job, run_jobs, worker_count
+from garmentbench.storage.jobs import Failure, Job, run_jobs
+from garmentbench.storage.machine import core_count
 from garmentbench.storage.runs import Run, RunStore
 
 
@@ -61,7 +62,7 @@ def run(names: list[str], preset: Preset, seeds: int, data_only: bool = False) -
         k: job for study in studies for k, job in study.jobs(preset).items()
     }
     os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
-    results = run_jobs(jobs, worker_count())
+    results = run_jobs(jobs, core_count())
     if not data_only:
         rows = [row for line in lines for row in _rows(line, preset, results)]
         rows += [

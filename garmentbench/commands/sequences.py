@@ -39,7 +39,7 @@ class Simulate:
         from garmentbench.reference import make_sequence
         from garmentbench.scenes.choice import choose_scenes
         from garmentbench.scenes.presets import preset
-        from garmentbench.storage.jobs import worker_count
+        from garmentbench.storage.machine import core_count
 
         size = preset(self.preset)
         if not self.scenes and not self.all:
@@ -50,7 +50,7 @@ class Simulate:
         one_thread()
         choose_device(self.device)
         require_device(size)
-        workers = min(len(names), self.jobs or worker_count())
+        workers = min(len(names), self.jobs or core_count())
         made = _in_parallel(names, size, workers) if workers > 1 else [make_sequence(name, size) for name in names]
         for path in made:
             print(path)

@@ -6,14 +6,14 @@ from garmentbench.storage.runs import Run, flat
 
 
 def list_rows(runs: list[Run]) -> list[dict[str, str]]:
-    """One row a run: id, kind, state, when started, wall time, and what it was about in a few words."""
+    """One row a run: id, state, when started, wall time, and what it was about in a few words; at last why it failed."""
     return [
         {
             "run": run.id,
             "state": run.state,
             "started": run.times["started"][:16].replace("T", " "),
             "seconds": f"{run.times['seconds']:.0f}",
-            "about": _about(run.identity),
+            "about": _about(run.identity) + _complaint(run),
         }
         for run in runs
     ]
@@ -33,6 +33,15 @@ def _about(identity: dict) -> str:
                 else str(value)
             )
     return " ".join(words)
+
+
+def _complaint(run: Run) -> str:
+    """Why a run failed, or a method in it; empty where neither did."""
+    if run.failure is not None:
+        return f": {run.failure}"
+    results = (run.record or {}).get("results", {})
+    message = results.get("message")
+    return f": {results['status']}: {message}" if message else ""
 
 
 def compare(runs: list[Run]) -> list[tuple[str, list[Any]]]:

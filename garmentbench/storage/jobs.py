@@ -1,16 +1,16 @@
-"""Jobs that wait for each other, run by a few worker processes. What fails takes only what needs it along."""
+"""Jobs that wait for each other, run by a few worker processes. A job that fails takes only what needs it along."""
 
-import os
-import signal
 import time
 from collections.abc import Callable
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass
+from graphlib import TopologicalSorter
 from multiprocessing import get_context
 from multiprocessing.queues import Queue
 from queue import Empty
 from typing import Any
+
+from pebble import ProcessExpired, ProcessPool
 
 from garmentbench import progress
 
@@ -49,75 +49,67 @@ class Failure:
 def run_jobs(jobs: dict[tuple, Job], workers: int) -> dict[tuple, Any]:
     """Run all jobs, the longest chains first; each result is the call's value or a `Failure`.
 
-    Each worker has one thread. Ctrl-C ends the workers and passes on; what they had not finished is resumed next time.
+    Each worker has one thread; one that dies takes only its job along. Ctrl-C ends the workers and passes on; what they
+    had not finished is resumed next time. Raises `graphlib.CycleError` where jobs wait for each other in a circle.
     """
     urgency = _urgency(jobs)
+    sorter = TopologicalSorter(_waits_for(jobs))
+    sorter.prepare()
     results: dict[tuple, Any] = {}
-    waiting = dict(jobs)
-    running: dict[Future, Job] = {}
+    ready: list[tuple] = []
+    running: dict[Future, tuple] = {}
     context = get_context("spawn")
     reports = context.Queue()
-
-    def make_pool() -> ProcessPoolExecutor:
-        return ProcessPoolExecutor(workers, mp_context=context, initializer=_begin_worker, initargs=(reports,))
-
-    pool = make_pool()
+    pool = ProcessPool(workers, context=context, initializer=_begin_worker, initargs=(reports,))
     try:
         with _Board(len(jobs), reports) as board:
-            while waiting or running:
-                for key in _doomed(waiting, results):
-                    results[key] = Failure(waiting.pop(key).label, "not run: what it needs has failed")
-                    board.left_out()
-                ready = [k for k, job in waiting.items() if all(n in results for n in (*job.needs, *job.after))]
-                for key in sorted(ready, key=lambda k: -urgency[k])[: workers - len(running)]:
-                    job = waiting.pop(key)
-                    inputs = [results[n] for n in job.needs]
-                    try:
-                        future = pool.submit(_work, job, inputs)
-                    except BrokenProcessPool:  # a worker died, which ended the pool and all that ran in it
-                        pool = make_pool()
-                        future = pool.submit(_work, job, inputs)
-                    running[future] = job
-                    board.started(job.label)
+            while sorter.is_active():
+                ready = sorted([*ready, *sorter.get_ready()], key=lambda key: -urgency[key])
+                for key in tuple(ready):
+                    job = jobs[key]
+                    inputs = [results[need] for need in job.needs]
+                    if any(isinstance(value, Failure) for value in inputs):
+                        results[key] = Failure(job.label, "not run: what it needs has failed")
+                        board.left_out()
+                        sorter.done(key)
+                    elif len(running) < workers:
+                        running[pool.schedule(_work, (job, inputs))] = key
+                        board.started(job.label)
+                    else:
+                        continue
+                    ready.remove(key)
                 done, _ = wait(running, timeout=0.5, return_when=FIRST_COMPLETED)
                 board.listen()
                 for future in done:
-                    job = running.pop(future)
-                    results[job.key] = _result(future, job)
-                    board.ended(job.label, results[job.key])
-    except BaseException:
-        for process in list(pool._processes.values()):
-            process.terminate()
-        pool.shutdown(wait=False, cancel_futures=True)
-        raise
-    pool.shutdown()
+                    key = running.pop(future)
+                    results[key] = _result(future, jobs[key])
+                    board.ended(jobs[key].label, results[key])
+                    sorter.done(key)
+        pool.close()
+    finally:
+        pool.stop()  # kills what still runs
+        pool.join()
     return results
+
+
+def _waits_for(jobs: dict[tuple, Job]) -> dict[tuple, tuple[tuple, ...]]:
+    return {key: (*job.needs, *job.after) for key, job in jobs.items()}
 
 
 def _urgency(jobs: dict[tuple, Job]) -> dict[tuple, float]:
     """Cost of the longest chain of jobs that starts with each."""
-    after: dict[tuple, list[tuple]] = {key: [] for key in jobs}
-    for key, job in jobs.items():
-        for need in (*job.needs, *job.after):
-            after[need].append(key)
-    known: dict[tuple, float] = {}
-
-    def chain(key: tuple) -> float:
-        if key not in known:
-            known[key] = jobs[key].cost + max((chain(k) for k in after[key]), default=0.0)
-        return known[key]
-
-    return {key: chain(key) for key in jobs}
-
-
-def _doomed(waiting: dict[tuple, Job], results: dict[tuple, Any]) -> list[tuple]:
-    return [k for k, job in waiting.items() if any(isinstance(results.get(n), Failure) for n in job.needs)]
+    urgency = {key: job.cost for key, job in jobs.items()}
+    waits_for = _waits_for(jobs)
+    for key in reversed(list(TopologicalSorter(waits_for).static_order())):
+        for need in waits_for[key]:
+            urgency[need] = max(urgency[need], jobs[need].cost + urgency[key])
+    return urgency
 
 
 def _result(future: Future, job: Job) -> Any:
     try:
         return future.result()
-    except BrokenProcessPool:
+    except ProcessExpired:
         return Failure(job.label, "its worker died, perhaps for want of memory; the same command again resumes it")
 
 
@@ -127,7 +119,7 @@ _reports: Queue  # of a worker process; set once, when it starts
 def _begin_worker(reports: Queue) -> None:
     global _reports
     _reports = reports
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the parent, which ends the workers
+    _reports.cancel_join_thread()  # a worker may end though nobody has read its last report
     import torch
 
     torch.set_num_threads(1)
@@ -193,8 +185,3 @@ class _Board:
         self.console.print(
             f"[{self.count}/{self.total}] {label}: {state}", markup=False, highlight=False, soft_wrap=True
         )
-
-
-def worker_count() -> int:
-    """One worker a core: each job is one thread."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

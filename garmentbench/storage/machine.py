@@ -9,6 +9,8 @@ from contextlib import suppress
 from importlib import metadata
 from pathlib import Path
 
+import psutil
+
 import garmentbench
 from garmentbench.paths import PACKAGE
 
@@ -17,18 +19,21 @@ PACKAGES = ("torch", "numpy", "scipy", "warp-lang", "h5py", "rerun-sdk")
 
 def machine() -> dict:
     """The machine: processor, cores this process may use, memory [GB], system, CUDA device where torch is using one."""
-    pages = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     torch = sys.modules.get("torch")
     cuda = torch is not None and torch.cuda.is_initialized()
     return {
         "cpu": _cpu(),
-        "cores": cores,
-        "memory_gb": round(pages / 2**30, 1),
+        "cores": core_count(),
+        "memory_gb": round(psutil.virtual_memory().total / 2**30, 1),
         "system": f"{platform.system()} {platform.release()}",
         "threads": torch.get_num_threads() if torch is not None else None,
         "cuda": torch.cuda.get_device_name() if cuda else None,
     }
+
+
+def core_count() -> int:
+    """How many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _cpu() -> str:

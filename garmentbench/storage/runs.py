@@ -14,6 +14,8 @@ from io import TextIOWrapper
 from pathlib import Path
 from typing import Any
 
+from filelock import AcquireReturnProxy
+
 from garmentbench import paths, progress
 from garmentbench.errors import UsageError, UserError
 from garmentbench.storage.atomic import write_text
@@ -21,6 +23,7 @@ from garmentbench.storage.fingerprint import content_hash, plain
 from garmentbench.storage.lock import held, take
 from garmentbench.storage.machine import code_version, forget_peak_memory, machine, packages, peak_memory_mb
 
+FAILURE = "failure.txt"  # in a run's folder: why the work raised
 BEAT_SECONDS = 2.0  # times.json is this fresh when a process is killed
 
 
@@ -39,7 +42,7 @@ class Run:
         times: When it was started, wall seconds of all sessions together, and how many these were.
     """
 
-    def __init__(self, store: "RunStore", kind: str, identity: dict, lock: TextIOWrapper | None = None) -> None:
+    def __init__(self, store: "RunStore", kind: str, identity: dict, lock: AcquireReturnProxy | None = None) -> None:
         self.store, self.kind, self.identity = store, kind, identity
         self.id = run_id(kind, identity)
         self.folder = store.root / self.id
@@ -79,10 +82,18 @@ class Run:
 
     @property
     def state(self) -> str:
-        """ "finished", "running" (a process holds it) or "interrupted"."""
+        """ "finished", "running" (a process holds it), "failed" (the work raised) or "interrupted"."""
         if self.finished:
             return "finished"
-        return "running" if self._lock is not None or held(self.folder / "lock") else "interrupted"
+        if self._lock is not None or held(self.folder / "lock"):
+            return "running"
+        return "interrupted" if self.failure is None else "failed"
+
+    @property
+    def failure(self) -> str | None:
+        """Why the work raised when it was last tried; None where it did not."""
+        file = self.folder / FAILURE
+        return file.read_text(encoding="utf-8") if file.is_file() else None
 
     def log(self, step: int, **values: float) -> None:
         """Append a line to metrics.jsonl. Steps grow over a run; what an earlier, killed session logged from its first
@@ -113,8 +124,8 @@ class Run:
         return progress.track(total, label, done)
 
     def stage(self, name: str, identity: dict) -> "Run":
-        """A sub-run, shared by all runs that name the same stage with the same identity. Waits while another process is
-        at it. It is released with this run at the latest."""
+        """A sub-run, shared by all runs that name the same stage with the same identity. Waits while another process
+        works on it. It is released with this run at the latest."""
         stage_id = run_id(name, identity)
         if stage_id not in self._stages:
             self._stages[stage_id] = self.store.take(name, identity)
@@ -139,6 +150,10 @@ class Run:
         write_text(self.folder / "run.json", json.dumps(record, indent=1, default=plain) + "\n")
         self.close()
 
+    def fail(self, message: str) -> None:
+        """Note in one line why the work raised: the run is "failed" until it is opened again. It is not released."""
+        write_text(self.folder / FAILURE, message)
+
     def close(self) -> None:
         """Release the run and its stages, finished or not."""
         for stage in self._stages.values():
@@ -154,6 +169,7 @@ class Run:
     def _begin(self) -> None:
         """Note what is about to be worked on, and when."""
         self.times["sessions"] += 1
+        (self.folder / FAILURE).unlink(missing_ok=True)
         write_text(self.folder / "identity.json", json.dumps({"kind": self.kind, "identity": self.identity}, indent=1))
         self._keep_time(now=True)
 
@@ -180,14 +196,14 @@ class RunStore:
         return self.take(kind, identity)
 
     def take(self, kind: str, identity: dict) -> Run:
-        """As `open`, within a run whose peak memory is being measured."""
+        """Like `open`, but without resetting the peak-memory counter (for stages)."""
         identity = json.loads(json.dumps(identity, default=plain))
         folder = self.root / run_id(kind, identity)
         lock = take(folder / "lock")
         run = Run(self, kind, identity, lock)
         if run.finished:
             run._lock = None
-            lock.close()
+            lock.lock.release()
         else:
             run._begin()
         return run

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from graphlib import CycleError
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,16 @@ def add(*numbers: int) -> int:
 
 def fail(*_: int) -> int:
     raise ValueError("no such luck")
+
+
+def sleep_for(seconds: float) -> float:
+    time.sleep(seconds)
+    return seconds
+
+
+def die_after(seconds: float) -> None:
+    time.sleep(seconds)
+    os._exit(3)
 
 
 def sleep_forever(mark: str) -> None:
@@ -45,6 +56,24 @@ def test_a_worker_that_dies_is_a_failure_and_not_a_hang():
     results = run_jobs({j.key: j for j in jobs}, workers=1)
     assert "worker died" in results[("dies",)].message
     assert isinstance(results[("after",)], Failure)
+
+
+def test_a_worker_that_dies_takes_only_its_own_job_along():
+    jobs = [Job(("dies",), "dies", die_after, arguments=(1.0,))]
+    jobs += [Job((i,), f"sleeps {i}", sleep_for, arguments=(2.0,)) for i in range(3)]
+    results = run_jobs({j.key: j for j in jobs}, workers=2)
+    assert "worker died" in results[("dies",)].message and [results[i,] for i in range(3)] == [2.0] * 3
+
+
+def test_jobs_that_wait_for_each_other_are_refused():
+    jobs = [Job(("a",), "a", add, needs=(("b",),)), Job(("b",), "b", add, needs=(("a",),))]
+    with pytest.raises(CycleError):
+        run_jobs({j.key: j for j in jobs}, workers=1)
+
+
+def test_a_job_may_wait_for_one_that_fails():
+    jobs = [Job(("bad",), "bad", fail), Job(("after",), "after", add, arguments=(1,), after=(("bad",),))]
+    assert run_jobs({j.key: j for j in jobs}, workers=1)["after",] == 1
 
 
 def test_urgency_is_the_cost_of_the_longest_chain():

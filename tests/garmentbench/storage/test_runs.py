@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from garmentbench.errors import UsageError, UserError
-from garmentbench.storage.compare import compare
+from garmentbench.storage.compare import compare, list_rows
 from garmentbench.storage.runs import RunStore, run_id
 
 IDENTITY = {"config": {"width": 8, "rate": 1e-3}, "data": "abc", "code": "def", "seed": 3}
@@ -115,7 +115,7 @@ def test_the_second_process_waits_and_finds_the_run_finished(tmp_path):
     folder = tmp_path / run_id("train", IDENTITY)
     with RunStore(tmp_path).open("train", IDENTITY) as run:
         second = process(tmp_path, "print(run.finished, run.results)")
-        assert second.stderr.readline().startswith(f"{folder / 'lock'}: waiting for process {os.getpid()}")
+        assert second.stderr.readline().startswith(f"{folder / 'lock'}: locked by process {os.getpid()}; waiting")
         run.finish({"l2": 2.0})
     assert second.communicate(timeout=20)[0].strip() == "True {'l2': 2.0}"
 
@@ -207,3 +207,38 @@ def test_a_store_that_cannot_be_written_to(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(UserError, match="can't be written to"):
         RunStore(tmp_path / "file").open("train", IDENTITY)
+
+
+def test_a_run_that_failed_says_why_and_is_tried_again(tmp_path):
+    store = RunStore(tmp_path)
+    with store.open("train", IDENTITY) as run:
+        run.fail("fit raised ZeroDivisionError: no data")
+        assert run.state == "running"
+    failed = store.get(run.id)
+    assert failed.state == "failed" and "no data" in failed.failure and store.list({"state": "failed"})
+    assert list_rows([failed])[0]["about"] == "seed 3: fit raised ZeroDivisionError: no data"
+    with pytest.raises(UserError, match="is failed, it has no results yet"):
+        _ = failed.results
+    with store.open("train", IDENTITY) as run:
+        assert run.failure is None and not run.finished
+    assert store.get(run.id).state == "interrupted"
+    with store.open("train", IDENTITY) as run:
+        run.finish()
+    assert store.get(run.id).state == "finished"
+
+
+def test_a_method_that_failed_in_a_finished_run_is_listed_with_its_reason(tmp_path):
+    with RunStore(tmp_path).open("evaluate", IDENTITY) as run:
+        run.finish({"status": "diverged", "message": "frame 7: not finite"})
+    assert list_rows([run])[0]["about"].endswith(": diverged: frame 7: not finite")
+
+
+def test_reading_a_store_that_may_not_be_written_to(tmp_path, monkeypatch):
+    with RunStore(tmp_path).open("train", IDENTITY) as run:
+        pass
+
+    def refuse(*_: object, **__: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr("filelock.FileLock.acquire", refuse)
+    assert RunStore(tmp_path).get(run.id).state == "interrupted"
