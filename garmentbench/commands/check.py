@@ -2,10 +2,15 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from tyro.conf import Positional
 
 from garmentbench.errors import Problem, UsageError, UserError, errors
+
+if TYPE_CHECKING:
+    from garmentbench.importing.mesh_doctor.body import Wearer
+    from garmentbench.importing.mesh_doctor.mesh import Mesh
 
 
 @dataclass(frozen=True)
@@ -16,11 +21,11 @@ class Check:
 
     Attributes:
         file: A mesh (.obj, .ply, or a garment's .npz), or a sequence (HDF5).
-        picture: Also draw it into this PNG file: a mesh with all that was found in red, or frame 0 of a sequence.
+        picture: Also draw it into this PNG file: a mesh on its body with all that was found in red, or frame 0 of a sequence.
         body: Say where a mesh starts inside this body: a baked one (base, slim ...), a mesh, or a sequence's.
         fix: Write the garment, repaired where that is safe, to this .obj or .npz file, and check that.
         units: The mesh's unit, for --fix: m, cm or mm. Not needed where its size tells.
-        make_uv: With --fix, make a UV map by xatlas where there is none, or it overlaps or folds.
+        make_uv: With --fix, make a UV map by xatlas where the mesh's overlaps or folds; where it has none, a .npz gets one.
         weld: With --fix, weld borders that lie this near [m]. By default a hundred-thousandth of the garment's size.
     """
 
@@ -59,7 +64,7 @@ class Check:
 
     def _check_mesh(self) -> None:
         from garmentbench.importing.mesh_doctor.examine import examine, summary
-        from garmentbench.importing.mesh_doctor.files import read_mesh, read_wearer
+        from garmentbench.importing.mesh_doctor.files import read_mesh, read_wearer, wardrobe_lines
         from garmentbench.importing.mesh_doctor.picture import picture
 
         mesh, wearer, file = read_mesh(self.file), read_wearer(self.body) if self.body else None, self.file
@@ -69,14 +74,17 @@ class Check:
         findings = examine(mesh, wearer)
         print(f"{file}: {summary(mesh)}")
         if self.picture is not None:
-            picture(mesh, findings, self.picture)
+            picture(mesh, findings, self.picture, None if wearer is None else wearer.body)
         _verdict(file, [f.problem for f in findings])
+        if self.fix is not None and self.fix.suffix == ".npz":
+            print(wardrobe_lines(self.fix))
 
-    def _mend(self, mesh, wearer) -> None:
+    def _mend(self, mesh: "Mesh", wearer: "Wearer | None") -> None:
         from garmentbench.importing.mesh_doctor.files import write_mesh
         from garmentbench.importing.mesh_doctor.repairs import mend
 
-        mended, lines = mend(mesh, wearer, self.units or None, self.make_uv, self.weld)
+        make_uv = self.make_uv or (mesh.uv is None and self.fix.suffix == ".npz")  # where a garment can't be without
+        mended, lines = mend(mesh, wearer, self.units or None, make_uv, self.weld)
         lines += write_mesh(self.fix, mended)
         for line in lines or ["nothing to repair"]:
             print(f"fix: {line}")
@@ -90,12 +98,20 @@ class Check:
 
         problems = check.check_sequence(self.file)
         if not errors(problems):
-            template = sequence_file.load(self.file, frames=1).template
-            found = examine_template(mesh_of(template.garment))
+            first = sequence_file.load(self.file, frames=1)
+            print(f"{self.file}: {_uncertainty(first.uncertainty_cm)}")
+            found = examine_template(mesh_of(first.template.garment))
             problems += [replace(f.problem, where=f"garment {f.problem.where}", warning=True) for f in found]
             if self.picture is not None:
                 check.picture(self.file, self.picture)
         _verdict(self.file, problems)
+
+
+def _uncertainty(cm: float | None) -> str:
+    """What a sequence's own uncertainty [cm] means for who reads errors against it."""
+    if cm is None:
+        return "uncertainty not measured: how small a difference means something is unknown"
+    return f"uncertainty {cm:.2g} cm: differences below it mean nothing"
 
 
 def _verdict(file: Path, problems: list[Problem]) -> None:

@@ -1,4 +1,4 @@
-"""UV coordinates for a mesh that has none, by xatlas (the optional extra `xatlas`)."""
+"""UV coordinates for a mesh that has none, by xatlas."""
 
 from dataclasses import dataclass
 
@@ -41,7 +41,7 @@ def unwrap(positions: np.ndarray, faces: np.ndarray) -> Unwrapped:
     try:
         import xatlas
     except ModuleNotFoundError:
-        raise UserError("xatlas is not installed, and it makes UV; pip install 'garmentbench[xatlas]'") from None
+        raise UserError("UV maps are made by the package xatlas, which is not installed; pip install xatlas") from None
     size = np.ptp(positions, axis=0).max()  # xatlas has limits of its own, in the mesh's unit
     atlas, packing = xatlas.Atlas(), xatlas.PackOptions()
     packing.padding, packing.resolution = _PADDING, _TEXELS

@@ -1,5 +1,6 @@
 """Reading a garment, or a body to check it against, from an OBJ, PLY, .npz or sequence file; writing a mended garment."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -116,6 +117,14 @@ def writable(path: Path) -> None:
     """Raises `UsageError` for a name that is neither OBJ nor .npz."""
     if path.suffix.lower() not in (".obj", ".npz"):
         raise UsageError(f"--fix {path}: wanted a name that ends in .obj or .npz")
+
+
+def wardrobe_lines(path: Path) -> str:
+    """The lines that enter a garment's .npz file into a wardrobe."""
+    name = re.sub(r"[^a-z0-9_]+", "_", path.stem.lower()).strip("_") or "garment"
+    return (
+        f'to wear it in scenes, put into your wardrobe.toml:\n[garments.{name}]\nmesh = "{path.resolve().as_posix()}"'
+    )
 
 
 def write_mesh(path: Path, mesh: Mesh) -> list[str]:

@@ -9,6 +9,7 @@ from garmentbench.geometry.mesh import normalised
 from garmentbench.importing.mesh_doctor import shape, uv
 from garmentbench.importing.mesh_doctor.finding import Finding
 from garmentbench.importing.mesh_doctor.mesh import Mesh
+from garmentbench.sequence import Body
 from garmentbench.storage.atomic import written_whole
 from garmentbench.viewing.render import CLOTH, RenderMesh, bounds, render
 
@@ -20,8 +21,8 @@ _MOST = 2_000  # marks of a kind that are drawn
 _OCTAHEDRON = np.array([[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]])
 
 
-def picture(mesh: Mesh, findings: list[Finding], png: Path) -> None:
-    """Draw a garment from two sides, and its UV map beside it, into a PNG file.
+def picture(mesh: Mesh, findings: list[Finding], png: Path, body: Body | None = None) -> None:
+    """Draw a garment from two sides, on the body that it was checked against, and its UV map beside it, into a PNG file.
 
     Raises `UserError` for positions that are not finite, or where the file can't be written.
     """
@@ -33,6 +34,10 @@ def picture(mesh: Mesh, findings: list[Finding], png: Path) -> None:
     axes = figure.subplots(1, 3)
     drawn = _drawn(mesh, findings)
     focus = bounds(mesh.vertices[mesh.faces], margin=0.03 * mesh.size)
+    if body is not None:
+        drawn.append(RenderMesh(body.rest, body.faces))
+        if (focus[0] > body.rest.max(axis=0)).any() or (focus[1] < body.rest.min(axis=0)).any():  # beside it
+            focus = bounds(focus, body.rest)
     for ax, view in zip(axes, _VIEWS):
         ax.imshow(render(drawn, view, _SIZE, focus))
         ax.set_axis_off()

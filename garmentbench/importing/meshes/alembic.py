@@ -1,6 +1,6 @@
 """Alembic: polygon meshes with their world transforms and UV. It says neither unit nor up axis.
 
-Needs `alembic3d` (the extra `alembic`), PyAlembic as a wheel. Damaged files may crash its library: `subprocess_reader` calls
+Needs `alembic3d` (in the extra `alembic`), PyAlembic as a wheel. Damaged files may crash its library: `subprocess_reader` calls
 `read_alembic` in a process of its own.
 """
 
@@ -24,7 +24,7 @@ def read_alembic(path: Path, prim: str, role: str) -> MeshSequence | None:
     try:
         from alembic3d import Abc
     except ImportError as e:
-        do = "pip install 'garmentbench[alembic]', or export PC2, OBJ or USD instead"
+        do = "pip install alembic3d, or export PC2, OBJ or USD instead"
         raise UserError(f"Alembic needs the package alembic3d; {do}") from e
     try:
         archive = Abc.IArchive(str(path))

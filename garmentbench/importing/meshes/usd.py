@@ -67,9 +67,7 @@ def _packages() -> tuple:
     try:
         from pxr import Tf, Usd, UsdGeom
     except ImportError as e:
-        raise UserError(
-            "USD needs the package usd-core; pip install 'garmentbench[usd]', or use PC2, OBJ or npz"
-        ) from e
+        raise UserError("USD needs the package usd-core; pip install usd-core, or use PC2, OBJ or npz") from e
     return Usd, UsdGeom, Tf
 
 

@@ -15,6 +15,7 @@ from garmentbench.storage.atomic import written_whole
 _INSIDE = 0.02  # how deep a vertex must be to count: skin touches skin [m]
 _LOOKED_AT = 60  # frames
 _FASTEST = 15.0  # of a joint [m/s]: a thrown fist has 12
+_MOST_ARM_SPACE = 25.0  # [degrees] beyond which it is no longer the same motion
 _UNEVEN = 0.05  # a difference between the feet that is worth a line [m]
 
 
@@ -34,9 +35,20 @@ def findings(imported: ImportedClip, baked: BakedBody) -> Iterator[str]:
         f"feet: slide {foot_slide_cm(clip, baked):.2f} cm a frame at most while they stand{before}; "
         f"their lowest point is then at {low:.2f} to {high:.2f} cm"
     )
-    inside = 100 * arms_inside(clip, baked)
-    yield f"arms: fore-arm or hand more than 2 cm inside the rest of the body in {inside:.0f} % of the frames" + (
-        "; --arm-space 10 turns hanging arms outward" if inside > 0 else ""
+    yield arms_line(100 * arms_inside(clip, baked), imported.choices.arm_space)
+
+
+def arms_line(inside: float, arm_space: float) -> str:
+    """How often arms are inside the torso [%], with the advice that was not yet followed."""
+    line = f"arms: fore-arm or hand more than 2 cm inside the rest of the body in {inside:.0f} % of the frames"
+    if inside == 0:
+        return line
+    if not arm_space:
+        return f"{line}; --arm-space 10 turns hanging arms outward"
+    if arm_space < _MOST_ARM_SPACE:
+        return f"{line}, with --arm-space {arm_space:g}; more than that turns them farther out"
+    return (
+        f"{line}, with --arm-space {arm_space:g}: not because they hang too near; cut those frames off, or accept them"
     )
 
 

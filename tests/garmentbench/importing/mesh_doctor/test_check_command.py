@@ -1,5 +1,7 @@
 """`garmentbench check` on meshes, as it is typed."""
 
+import sys
+import tomllib
 from dataclasses import replace
 
 import matplotlib.image
@@ -68,7 +70,7 @@ def test_warnings_alone_are_no_failure(home, capsys):
 @pytest.mark.parametrize("suffix", ["npz", "obj"])
 def test_fix_writes_a_good_mesh_and_the_fixed_is_fixed_to_the_same_bytes(home, capsys, suffix):
     code, out, _ = typed(capsys, "bad.npz", "--body", "ball.obj", "--fix", f"a.{suffix}")
-    assert code == 0 and out[-1] == f"a.{suffix}: good"
+    assert code == 0 and f"a.{suffix}: good" in out
     done = [line for line in out if line.startswith("fix: ")]
     for start, line in zip(
         ("removed 1 vertex", "joined 61 pairs", "turned 72 faces", "pushed 1 point", "moved the UV map"),
@@ -93,24 +95,57 @@ def test_units_and_uv(home, capsys):
     write_mesh(home / "odd.obj", replace(CLEAN, uv=None).scaled(350.0))
     code, out, _ = typed(capsys, "odd.obj")
     assert code == 1 and "the unit can't be told" in out[1]
-    pytest.importorskip("xatlas", reason="xatlas is an extra")
     code, out, _ = typed(capsys, "odd.obj", "--fix", "a.npz", "--units", "mm", "--make-uv")
     assert code == 0 and out[0] == "fix: scaled from mm to m, by 0.001 (as --units says)" and "made a UV map" in out[1]
 
 
-def test_fix_to_npz_without_uv_says_what_to_do(home, capsys):
+def test_a_mesh_without_uv_becomes_a_garment_in_one_step(home, capsys):
+    """N4: no option and no package beyond the installation; the wardrobe's lines are printed."""
+    write_mesh(home / "My poncho.obj", replace(CLEAN, uv=None))
+    code, out, _ = typed(capsys, "My poncho.obj", "--fix", "My poncho.npz")
+    assert code == 0 and "made a UV map by xatlas" in out[0]
+    assert out[-3:] == [
+        "to wear it in scenes, put into your wardrobe.toml:",
+        "[garments.my_poncho]",
+        f'mesh = "{home / "My poncho.npz"}"',
+    ]
+    assert tomllib.loads("\n".join(out[-2:]))["garments"]["my_poncho"]["mesh"].endswith("My poncho.npz")
+
+
+def test_without_xatlas_the_message_names_the_one_step(home, capsys, monkeypatch):
+    monkeypatch.setitem(sys.modules, "xatlas", None)
     write_mesh(home / "bare.obj", replace(CLEAN, uv=None))
     code, _, err = typed(capsys, "bare.obj", "--fix", "a.npz")
-    assert code == 1 and len(err) == 1 and "give --make-uv, or write .obj" in err[0] and not (home / "a.npz").exists()
+    assert code == 1 and len(err) == 1 and "pip install xatlas" in err[0] and not (home / "a.npz").exists()
+
+
+def test_the_picture_shows_the_body_too(home, capsys):
+    for name, more_ in (("alone", ()), ("worn", ("--body", "ball.obj"))):
+        assert typed(capsys, "good.npz", "--picture", f"{name}.png", *more_)[0] == 0
+    alone, worn = (matplotlib.image.imread(home / f"{name}.png")[..., :3] for name in ("alone", "worn"))
+    grey = [np.ptp(picture, axis=2) < 0.05 for picture in (alone, worn)]
+    skin = [(g & (p.mean(axis=2) < 0.9))[:, :900].sum() for g, p in zip(grey, (alone, worn))]
+    assert skin[1] > skin[0] + 1000
+    write_mesh(home / "beside.npz", replace(CLEAN, vertices=CLEAN.vertices + [2, 0, 0]))
+    typed(capsys, "beside.npz", "--body", "ball.obj", "--picture", "beside.png")
+    assert matplotlib.image.imread(home / "beside.png")[..., :3][:, :450].min() < 0.9
+
+
+def test_a_sequence_s_uncertainty_is_said(home, capsys):
+    sequence = tiny_sequence()
+    save(replace(sequence, info={"uncertainty": {"cm": 6.2}}), home / "known.h5")
+    save(replace(sequence, info={}), home / "unknown.h5")
+    assert typed(capsys, "known.h5")[1][0] == "known.h5: uncertainty 6.2 cm: differences below it mean nothing"
+    assert typed(capsys, "unknown.h5")[1][0].startswith("unknown.h5: uncertainty not measured")
 
 
 def test_weld(home, capsys):
     apart = parted(CLEAN, 15, sewn=False)
     write_mesh(home / "apart.npz", moved(apart, np.arange(1891, 1952), apart.vertices[1891:] - [0, 0, 3e-4]))
     _, out, _ = typed(capsys, "apart.npz", "--fix", "a.npz")
-    assert "warning: pieces: 2 pieces" in out[-2]
+    assert any(line.startswith("warning: pieces: 2 pieces") for line in out)
     code, out, _ = typed(capsys, "apart.npz", "--fix", "a.npz", "--weld", "0.001")
-    assert code == 0 and out[-1] == "a.npz: good"
+    assert code == 0 and "a.npz: good" in out
 
 
 @pytest.mark.parametrize(("arguments", "says"), [
@@ -129,13 +164,14 @@ def test_wrong_calls(home, capsys, arguments, says):
 def test_a_sequence_s_garment_is_checked_too_but_only_warned_of(home, capsys):
     sequence = tiny_sequence(8)
     save(sequence, home / "a.h5")
-    assert typed(capsys, "a.h5") == (0, ["a.h5: good"], [])
+    code, out, _ = typed(capsys, "a.h5")
+    assert code == 0 and out[1:] == ["a.h5: good"]
     sequence.template.garment.faces[3] = sequence.template.garment.faces[3, ::-1]
     save(sequence, home / "b.h5")
     code, out, _ = typed(capsys, "b.h5")
-    assert code == 0 and out[0].startswith("warning: garment winding: 1 flipped face") and len(out) == 2
+    assert code == 0 and out[1].startswith("warning: garment winding: 1 flipped face") and len(out) == 3
     code, out, _ = typed(capsys, "b.h5", "--fix", "b.npz")
-    assert code == 0 and out[0] == "fix: turned 1 face that ran against the neighbours" and out[-1] == "b.npz: good"
+    assert code == 0 and out[0] == "fix: turned 1 face that ran against the neighbours" and "b.npz: good" in out
 
 
 def red(path) -> np.ndarray:

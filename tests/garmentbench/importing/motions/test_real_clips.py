@@ -8,7 +8,7 @@ import pytest
 
 from garmentbench.errors import UserError
 from garmentbench.importing.motions.bvh import read_bvh
-from garmentbench.importing.motions.findings import arms_inside, findings, foot_heights_cm, foot_slide_cm
+from garmentbench.importing.motions.findings import arms_inside, arms_line, findings, foot_heights_cm, foot_slide_cm
 from garmentbench.importing.motions.load import Choices, ImportedClip, import_clip
 from garmentbench.motion.clip import Clip
 from garmentbench.motion.legs import unit
@@ -76,6 +76,13 @@ def test_two_conversions_of_one_take_agree():
 
 def test_arm_space_takes_arms_out_of_the_torso():
     assert arms_inside(loaded("salsa_10").clip, BASE) > 0.5 > 0.1 > arms_inside(loaded("salsa_10", 20.0).clip, BASE)
+
+
+def test_advice_that_was_followed_is_not_repeated():
+    """N10: arms still inside after --arm-space are not answered with --arm-space."""
+    assert "--arm-space 10 turns hanging arms outward" in arms_line(12.0, 0.0)
+    assert "--arm-space 10 turns" not in arms_line(12.0, 5.0) and "more than that" in arms_line(12.0, 5.0)
+    assert "turns" not in arms_line(12.0, 30.0)
 
 
 def test_real_files_cut_off_are_refused(tmp_path: Path):
