@@ -17,9 +17,9 @@ _COLUMNS = (  # of the table: a fact, its title, whether it is a whole number
     ("frames", "frames", True),
     ("garment_vertices", "garment vertices", True),
     ("ms_per_frame", "cost [ms a frame]", False),
-    ("uncertainty_cm", "uncertainty [cm]", False),
-    ("strict_percent", "inside, strict [%]", False),
-    ("self_percent", "crossing faces [%]", False),
+    ("uncertainty", "uncertainty [cm]", False),
+    ("interpenetration_strict", "inside, strict [%]", False),
+    ("self_intersection", "crossing faces [%]", False),
 )
 
 

@@ -15,7 +15,7 @@ import torch
 
 from garmentbench import sequence_file
 from garmentbench.evaluation.rollout import OK, roll_out
-from garmentbench.evaluation.score import evaluate
+from garmentbench.evaluation.score import score
 from garmentbench.methods.motion_guided import MotionGuided
 from garmentbench.methods.motion_guided.config import Config, config_for
 from garmentbench.methods.motion_guided.training import WEIGHTS, load
@@ -70,7 +70,7 @@ def _build(sequence: Sequence, preset: Preset) -> _Built:
         megabytes = sum(file.stat().st_size for file in files) / 1e6
     roll = roll_out(method, sequence)
     begun = time.perf_counter()
-    evaluate(roll, None, sequence)
+    score(roll, None, sequence)
     measure_ms = 1e3 * (time.perf_counter() - begun) / len(sequence)
     return _Built(
         method.generative.log_radii.numel(),

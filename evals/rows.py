@@ -5,7 +5,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from garmentbench.report.lines import COLUMNS
+from garmentbench.evaluation.results import COLUMNS
+from garmentbench.metrics.skill import SKILL, skill
 from garmentbench.scenes.presets import Preset
 from garmentbench.scenes.scene import Scene
 from garmentbench.storage.atomic import write_text
@@ -50,12 +51,14 @@ def with_skill(rows: list[dict]) -> list[dict]:
 
     errors = [r for r in rows if r["metric"] == "rollout_l2" and r["status"] == "ok"]
     skinning = {frames(r): r["value"] for r in errors if r["method"] == "skinning"}
-    skill = [
-        r | {"metric": "skill", "value": 1.0 - r["value"] / skinning[frames(r)], "unit": "1", "uncertainty": None}
+    skills = [
+        r
+        | {"metric": SKILL.name, "value": skill(r["value"], skinning[frames(r)]), "unit": SKILL.unit}
+        | {"uncertainty": None, "note": ""}
         for r in errors
         if frames(r) in skinning
     ]
-    return [r for r in rows if r["metric"] != "skill"] + skill
+    return [r for r in rows if r["metric"] != SKILL.name] + skills
 
 
 def merged(path: Path, rows: list[dict], replaced: Iterable[str] = ()) -> list[dict]:

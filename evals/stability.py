@@ -9,8 +9,9 @@ import numpy as np
 
 from garmentbench import sequence_file
 from garmentbench.evals.experiment import FULL, Entry, Experiment
+from garmentbench.evaluation.results import Row
 from garmentbench.evaluation.rollout import DIVERGED, OK, RollOut
-from garmentbench.metrics import METRICS
+from garmentbench.metrics import metric
 from garmentbench.metrics.change import change
 from garmentbench.metrics.energy_left import energy_left
 from garmentbench.metrics.liveliness import vertex_areas
@@ -34,17 +35,16 @@ STABILITY = Experiment(
 def simulator_measures(scene: Scene, path: Path, unstressed: Path) -> list[dict]:
     """Rows of the reference simulation's own line: is it finite, how far is it stretched, does it come to rest?"""
     sequence = sequence_file.load(path)
-    told = sequence.info["simulation"]
-    bad = told["first_bad_frame"]
-    values = {"strain_p99_max": told["p99_strain_percent"], "ms_per_frame": told["ms_per_frame"]}
-    values["self_intersection"] = sequence.info["self_intersection"]["percent"]
-    if sequence.template.needs.interpenetration:
-        values["interpenetration"] = sequence.info["interpenetration"]["vertex_percent"]
-        values["interpenetration_strict"] = sequence.info["interpenetration"]["strict_percent"]
+    simulated = sequence.info["simulation"]
     plain = sequence_file.load(unstressed, len(sequence)).garment
-    values |= _stress_values(scene, sequence, sequence.garment, plain)
-    status = OK if told["status"] == "ok" else DIVERGED
-    return [_row(name, v, len(sequence), status, bad, sequence.uncertainty_cm) for name, v in values.items()]
+    values = sequence.scores | _stress_values(scene, sequence, sequence.garment, plain)
+    columns = {
+        "horizon": len(sequence),
+        "uncertainty": sequence.uncertainty_cm,
+        "status": OK if simulated["status"] == "ok" else DIVERGED,
+        "first_bad_frame": simulated["first_bad_frame"],
+    }
+    return [Row.of(metric(name), value, **columns).measured for name, value in values.items()]
 
 
 def method_measures(scene: Scene, path: Path, roll_out: RollOut, unstressed: RollOut) -> list[dict]:
@@ -53,7 +53,7 @@ def method_measures(scene: Scene, path: Path, roll_out: RollOut, unstressed: Rol
         return []
     sequence = sequence_file.load(path)
     values = _stress_values(scene, sequence, roll_out.garment, unstressed.garment)
-    return [_row(name, value, len(sequence), OK, None, None) for name, value in values.items()]
+    return [Row.of(metric(name), value, horizon=len(sequence)).measured for name, value in values.items()]
 
 
 def _stress_values(scene: Scene, sequence: Sequence, garment: np.ndarray, plain: np.ndarray) -> dict[str, float]:
@@ -67,17 +67,3 @@ def _stress_values(scene: Scene, sequence: Sequence, garment: np.ndarray, plain:
     if scene.name in UNCHANGED:
         values["change"] = change(garment, plain, scene.motion.turn, scene.motion.translate)
     return values
-
-
-def _row(
-    metric: str, value: float, horizon: int, status: str, first_bad_frame: int | None, uncertainty: float | None
-) -> dict:
-    return {
-        "metric": metric,
-        "horizon": horizon,
-        "value": value,
-        "unit": METRICS[metric].unit,
-        "uncertainty": uncertainty,
-        "status": status,
-        "first_bad_frame": first_bad_frame,
-    }

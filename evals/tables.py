@@ -8,7 +8,7 @@ from garmentbench.evals.convergence.table import CONVERGENCE, convergence_table,
 from garmentbench.evals.crosscheck.table import CROSSCHECK, crosscheck_table
 from garmentbench.evals.data import DATA, cards_in, data_table
 from garmentbench.evals.motions.table import MOTIONS, motions_table
-from garmentbench.metrics import METRICS
+from garmentbench.metrics import metric
 from garmentbench.report.cells import ABSENT, best, number, paper_cell, status_cell, value_cell
 from garmentbench.report.lines import REFERENCE, Line, Value, lines
 from garmentbench.report.table import Cell, Table
@@ -16,19 +16,6 @@ from garmentbench.report.table import Cell, Table
 if TYPE_CHECKING:
     import pandas
 
-TITLES = {
-    "one_step_l2": "1-step",
-    "interpenetration_before": "inside before collision stage",
-    "interpenetration": "inside",
-    "depth_p95": "depth, 95th percentile",
-    "self_intersection": "faces through others",
-    "strain_p95": "strain, 95th percentile",
-    "strain_p99_max": "largest strain, 99th percentile",
-    "change": "changed by",
-    "energy_left": "energy left",
-    "stable_frames": "stable",
-    "ms_per_frame": "time a frame",
-}
 MAIN = (
     "interpenetration_before",
     "interpenetration",
@@ -72,9 +59,8 @@ class Column:
 
     @property
     def title(self) -> str:
-        name = TITLES.get(self.metric, self.metric.replace("_", " "))
-        name = f"rollout-{self.horizon}" if self.metric == "rollout_l2" else name
-        unit = METRICS[self.metric].unit.replace("^2", "²")
+        name = f"rollout-{self.horizon}" if self.metric == "rollout_l2" else metric(self.metric).title
+        unit = metric(self.metric).unit.replace("^2", "²")
         return name if unit == "1" else f"{name} [{unit}]"
 
 
@@ -178,7 +164,7 @@ def stability_table(found: list[Line]) -> Table:
     for line in found:
         name = "reference (simulator)" if line.method == REFERENCE else line.label
         cells = [value_cell(line.value("rollout_l2"))]
-        cells += [value_cell(line.value(c.metric), whole=METRICS[c.metric].unit == "frames") for c in columns]
+        cells += [value_cell(line.value(c.metric), whole=metric(c.metric).unit == "frames") for c in columns]
         rows.append([Cell(case(line)), Cell(name), status_cell(line), *cells])
     return Table(
         STABILITY,

@@ -210,7 +210,7 @@ def evaluate(trained: Run, source: str, preset: Preset, store: RunStore) -> Run:
         UserError: The training is not finished, or it was done on another garment.
     """
     from garmentbench.evaluation.excerpt import write_material
-    from garmentbench.evaluation.score import evaluate as measure
+    from garmentbench.evaluation.score import score
     from garmentbench.viewing.recording import write_recording
 
     garment = trained.results.get("garment")  # says so where the training is not finished
@@ -240,7 +240,7 @@ def evaluate(trained: Run, source: str, preset: Preset, store: RunStore) -> Run:
             write_recording(run.folder / "recording.rrd", sequence, roll, f"{method.name} on {reference.name}")
             run.finish(
                 {
-                    "rows": measure(roll, one, sequence),
+                    "rows": [row.measured for row in score(roll, one, sequence)],
                     "status": roll.status,
                     "first_bad_frame": roll.first_bad_frame,
                     "message": roll.message,

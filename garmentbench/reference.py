@@ -96,42 +96,23 @@ def _is_made_from(path: Path, identity: str) -> bool:
 
 
 def _simulated(scene: Scene, preset: Preset) -> Sequence:
-    """The reference with its uncertainty and its own interpenetration in its info."""
+    """The reference with its uncertainty and its own scores in its info."""
     from garmentbench.simulation.simulate import measure_uncertainty, simulate
 
     quiet_warp()
     device = "cuda:0" if has_cuda() else "cpu"
     sequence = simulate(scene, preset, device)
-    info = sequence.info | {
-        "uncertainty": measure_uncertainty(scene, preset, sequence, device=device),
-        "self_intersection": own_self_intersection(sequence),
-    }
-    if sequence.template.needs.interpenetration:
-        info["interpenetration"] = own_interpenetration(sequence)
-    return replace(sequence, info=info)
+    uncertainty = measure_uncertainty(scene, preset, sequence, device=device)
+    return replace(sequence, info=sequence.info | {"uncertainty": uncertainty, "scores": reference_scores(sequence)})
 
 
-def own_interpenetration(sequence: Sequence) -> dict[str, float]:
-    """How much of a sequence's garment lies inside its body, for its info."""
-    from garmentbench.metrics.interpenetration import interpenetration
-    from garmentbench.metrics.interpenetration_strict import depth_p95, interpenetration_strict, signed_distances
+def reference_scores(sequence: Sequence) -> dict[str, float]:
+    """A reference's own scores that are kept with it, under the metrics' names: those that take long to measure."""
+    from garmentbench.metrics.interpenetration_strict import PENETRATION
+    from garmentbench.metrics.metric import Motion, scores
+    from garmentbench.metrics.self_intersection import CROSSING_FACES_MAX, SELF_INTERSECTION
 
-    arrays = sequence.garment, sequence.body, sequence.template.body.faces
-    distances = signed_distances(*arrays)
-    return {
-        "vertex_percent": interpenetration(*arrays),
-        "strict_percent": interpenetration_strict(distances),
-        "depth_p95_mm": depth_p95(distances),
-    }
-
-
-def own_self_intersection(sequence: Sequence) -> dict[str, float]:
-    """How much of a sequence's garment passes through itself, for its info."""
-    from garmentbench.metrics.self_intersection import crossing_faces, self_intersection
-
-    garment = sequence.template.garment
-    crossing = crossing_faces(sequence.garment, garment.faces, garment.seams)
-    return {"percent": self_intersection(crossing), "most_faces": int(crossing.sum(axis=1).max())}
+    return scores(Motion.of(sequence), *PENETRATION, SELF_INTERSECTION, CROSSING_FACES_MAX)
 
 
 @dataclass(frozen=True)

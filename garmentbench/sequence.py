@@ -98,6 +98,9 @@ class Template:
         )
 
 
+_SIMULATED = ("ms_per_frame", "strain_mean", "strain_p99_max")  # scores that are noted while simulating
+
+
 @dataclass(frozen=True)
 class Sequence:
     """A recording. Positions are in metres, world axes (z up), float32.
@@ -108,8 +111,7 @@ class Sequence:
         body: Body positions [m], shape (T, B, 3); None where there is no body.
         info: Names and provenance, plain JSON values: scene, split, motion, preset, and where simulated `simulation`
             (settings, substeps, strain, ms_per_frame), `uncertainty` {"doubling_cm", "perturbed_cm", "cm", "frames"},
-            `interpenetration` {"vertex_percent", "strict_percent", "depth_p95_mm"} (where the template needs it),
-            `self_intersection` {"percent", "most_faces"}.
+            `scores` (its own, under the metrics' names).
     """
 
     template: Template
@@ -125,6 +127,12 @@ class Sequence:
         return replace(
             self, garment=self.garment[start:stop], body=None if self.body is None else self.body[start:stop]
         )
+
+    @property
+    def scores(self) -> dict[str, float]:
+        """The reference's own scores that are kept with it, under the metrics' names; some are the simulator's."""
+        simulated = self.info.get("simulation", {})
+        return {k: simulated[k] for k in _SIMULATED if k in simulated} | self.info.get("scores", {})
 
     @property
     def uncertainty_cm(self) -> float | None:

@@ -16,8 +16,7 @@ import numpy as np
 from garmentbench.evals.convergence.table import CHOSEN, CONVERGENCE, FINEST, ROUNDING
 from garmentbench.evals.rows import about, failed_row
 from garmentbench.evals.study import Study
-from garmentbench.metrics import METRICS
-from garmentbench.metrics.difference import difference, difference_p95
+from garmentbench.metrics.difference import DIFFERENCES
 from garmentbench.scenes.presets import Preset
 from garmentbench.scenes.scene import Scene, load_scene
 from garmentbench.storage.atomic import written_whole
@@ -169,9 +168,8 @@ def _variant_rows(scene_name: str, variant: Variant, preset: Preset, results: di
 
 def distances(positions: np.ndarray, others: np.ndarray) -> dict[str, tuple[float, str]]:
     """Value and unit of each metric of two runs' positions [m], shape (T, V, 3); NaN where one ended before the other."""
-    measures = {"difference": difference, "difference_p95": difference_p95}
     whole = len(positions) == len(others)
-    return {name: (f(positions, others) if whole else math.nan, METRICS[name].unit) for name, f in measures.items()}
+    return {m.name: (m.compute(positions, others) if whole else math.nan, m.unit) for m in DIFFERENCES}
 
 
 STUDY = Study(CONVERGENCE, _jobs, _rows, _runs)

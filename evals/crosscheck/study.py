@@ -18,10 +18,12 @@ from garmentbench.evals.crosscheck.table import CROSSCHECK, ENGINE
 from garmentbench.evals.crosscheck.vbd import drive_vbd, require_newton
 from garmentbench.evals.rows import about, failed_row
 from garmentbench.evals.study import Study
+from garmentbench.evaluation.results import Row
 from garmentbench.evaluation.rollout import OK, ROLL_OUT, RollOut
 from garmentbench.geometry.mesh import edge_lengths, unique_edges
-from garmentbench.metrics import METRICS
-from garmentbench.metrics.difference import difference, difference_p95
+from garmentbench.metrics import Motion, metric, scores
+from garmentbench.metrics.difference import DIFFERENCES
+from garmentbench.metrics.interpenetration_strict import PENETRATION
 from garmentbench.reference import sequence_identity
 from garmentbench.scenes.presets import Preset
 from garmentbench.scenes.scene import Scene, load_scene
@@ -145,33 +147,13 @@ def _vbd(outfit: "Outfit", name: str, vbd: VbdSettings) -> tuple[np.ndarray, flo
 
 def _measures(garment: np.ndarray, ms: float, reference: Sequence, uncertainty: float | None) -> list[dict]:
     """Rows of one comparison: each metric of the other engine's garment, with the reference's own."""
-    own, body = reference.garment, reference.body
-    values: dict[str, tuple[float, float | None]] = {"ms_per_frame": (ms, reference.info["simulation"]["ms_per_frame"])}
+    truth = Motion.of(reference)
+    rows = [Row.of(m, m.compute(garment, reference.garment), uncertainty=uncertainty) for m in DIFFERENCES]
+    rows.append(Row.of(metric("ms_per_frame"), ms, reference_value=reference.scores["ms_per_frame"]))
     if reference.template.needs.body:
-        theirs, ours = (_penetration(g, body, reference.template.body.faces) for g in (garment, own))
-        values |= {name: (value, ours[name]) for name, value in theirs.items()}
-    doubt = {"uncertainty": uncertainty}
-    rows = [
-        _row("difference", difference(garment, own)) | doubt,
-        _row("difference_p95", difference_p95(garment, own)) | doubt,
-    ]
-    return rows + [_row(name, value, known) for name, (value, known) in values.items()]
-
-
-def _penetration(garment: np.ndarray, body: np.ndarray, faces: np.ndarray) -> dict[str, float]:
-    from garmentbench.metrics.interpenetration import interpenetration
-    from garmentbench.metrics.interpenetration_strict import depth_p95, interpenetration_strict, signed_distances
-
-    distances = signed_distances(garment, body, faces)
-    return {
-        "interpenetration": interpenetration(garment, body, faces),
-        "interpenetration_strict": interpenetration_strict(distances),
-        "depth_p95": depth_p95(distances),
-    }
-
-
-def _row(metric: str, value: float, reference: float | None = None) -> dict:
-    return {"metric": metric, "value": value, "unit": METRICS[metric].unit, "reference_value": reference, "status": OK}
+        theirs, ours = (scores(m, *PENETRATION) for m in (replace(truth, predicted=garment), truth))
+        rows += [Row.of(metric(name), value, reference_value=ours[name]) for name, value in theirs.items()]
+    return [row.measured for row in rows]
 
 
 def _identity(scene_name: str, preset: Preset, variant: Variant) -> dict:

@@ -52,7 +52,7 @@ class ImportAuthors:
         )
         sequence = measured(sequence)
         sequence_file.save(sequence, self.out)
-        percent = sequence.info["interpenetration"]["strict_percent"]
+        percent = sequence.scores["interpenetration_strict"]
         print("\n".join([*told, f"interpenetration: {percent:.3g} % of the garment's vertices lie inside the body"]))
         print(f"{self.out}: use it as a scene, e.g. garmentbench train skinning --scene {self.out}")
 

@@ -35,6 +35,7 @@ class RollOut:
             (raised, or returned something else than garment vertices).
         first_bad_frame: The frame at which it diverged or failed; None where it did not.
         message: What happened there; empty where all is well.
+        processor_ms: Processor time of each frame [ms], shape (T,); None where it was not taken (with a CUDA device).
     """
 
     kind: str
@@ -45,6 +46,7 @@ class RollOut:
     status: str = OK
     first_bad_frame: int | None = None
     message: str = ""
+    processor_ms: np.ndarray | None = None
 
     def save(self, path: Path) -> None:
         """Write as HDF5, whole or not at all. Raises `UserError` when it can't be written."""
@@ -53,6 +55,8 @@ class RollOut:
             hdf5.put(file, "ms", self.ms)
             if self.before_collision is not None:
                 hdf5.put(file, "before_collision", self.before_collision)
+            if self.processor_ms is not None:
+                hdf5.put(file, "processor_ms", self.processor_ms)
             bad = -1 if self.first_bad_frame is None else self.first_bad_frame
             hdf5.put_attributes(
                 file, kind=self.kind, start=self.start, status=self.status, first_bad_frame=bad, message=self.message
@@ -62,15 +66,15 @@ class RollOut:
     def load(cls, path: Path) -> "RollOut":
         """Read a roll-out. Raises `UserError` for a file that is missing, foreign, damaged or of another schema."""
         with hdf5.opened(path, "roll-out", SCHEMA, _REMAKE) as file:
-            arrays = [hdf5.dataset(file, name) for name in ("garment", "before_collision", "ms")]
-            garment, before, ms = (None if a is None else a[()] for a in arrays)
+            arrays = [hdf5.dataset(file, name) for name in ("garment", "before_collision", "ms", "processor_ms")]
+            garment, before, ms, processor_ms = (None if a is None else a[()] for a in arrays)
             kinds = {"kind": str, "start": int, "status": str, "first_bad_frame": int, "message": str}
             values = {name: hdf5.attribute(file, name, kind) for name, kind in kinds.items()}
         if garment is None or ms is None or None in values.values():
             raise UserError(f"{path}: parts of the roll-out are missing; {_REMAKE}")
         if values["first_bad_frame"] < 0:
             values["first_bad_frame"] = None
-        return cls(garment=garment, before_collision=before, ms=ms, **values)
+        return cls(garment=garment, before_collision=before, ms=ms, processor_ms=processor_ms, **values)
 
 
 def roll_out(method: Method, sequence: Sequence, progress: Callable[[], None] | None = None) -> RollOut:
@@ -93,6 +97,7 @@ def _run(kind: str, method: Method, sequence: Sequence, progress: Callable[[], N
     garment = np.full_like(sequence.garment, np.nan)
     garment[:HISTORY] = sequence.garment[:HISTORY]
     before, ms = np.full_like(garment, np.nan), np.full((len(sequence), len(PARTS)), np.nan)
+    processor_ms = np.full(len(sequence), np.nan)
     limit = _limit(sequence.template)
     ending: tuple[str, int | None, str] = (OK, None, "")
     frame, state = HISTORY, None
@@ -106,6 +111,7 @@ def _run(kind: str, method: Method, sequence: Sequence, progress: Callable[[], N
                 output, state = method.step(state, _body(sequence, frame))
             garment[frame] = _checked(output, sequence.garment[frame], limit)
             ms[frame] = [clock.ms[part] for part in PARTS]
+            processor_ms[frame] = np.nan if clock.processor_ms is None else clock.processor_ms
             if getattr(state, "before_collision", None) is not None:
                 before[frame] = np.asarray(state.before_collision)
             if progress is not None:
@@ -114,7 +120,15 @@ def _run(kind: str, method: Method, sequence: Sequence, progress: Callable[[], N
         ending = (e.args[0], frame, e.args[1])
     except Exception as e:  # a method may raise anything, and its line must stay in the tables
         ending = (FAILED, frame, f"raised {type(e).__name__}: {e}")
-    return RollOut(kind, HISTORY, garment, before if np.isfinite(before).any() else None, ms, *ending)
+    return RollOut(
+        kind,
+        HISTORY,
+        garment,
+        before if np.isfinite(before).any() else None,
+        ms,
+        *ending,
+        processor_ms=processor_ms if np.isfinite(processor_ms).any() else None,
+    )
 
 
 def _warm_up(method: Method, sequence: Sequence) -> None:

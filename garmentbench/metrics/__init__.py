@@ -1,51 +1,57 @@
-"""What is measured. One file a metric; its docstring says what it measures, how, and when it lies."""
+"""What is measured. One file a metric: what it measures, how, when it lies, its formula, and the `Metric` itself."""
 
-from dataclasses import dataclass
+from garmentbench.errors import unknown_name
+from garmentbench.metrics.change import CHANGE
+from garmentbench.metrics.difference import DIFFERENCES
+from garmentbench.metrics.energy_left import ENERGY_LEFT
+from garmentbench.metrics.interpenetration import INTERPENETRATION, INTERPENETRATION_BEFORE
+from garmentbench.metrics.interpenetration_strict import DEPTH_P95, INTERPENETRATION_STRICT
+from garmentbench.metrics.jitter import JITTER
+from garmentbench.metrics.l2 import ONE_STEP_L2, ROLLOUT_L2
+from garmentbench.metrics.liveliness import LIVELINESS
+from garmentbench.metrics.metric import Metric, Motion, scores
+from garmentbench.metrics.ms_per_frame import TIMES
+from garmentbench.metrics.self_intersection import CROSSING_FACES_MAX, SELF_INTERSECTION
+from garmentbench.metrics.skill import SKILL
+from garmentbench.metrics.stable_frames import STABLE_FRAMES
+from garmentbench.metrics.strain import STRAIN_MEAN, STRAIN_P95, STRAIN_P99_MAX
 
+__all__ = ["METRICS", "STUDY_METRICS", "Metric", "Motion", "metric", "scores"]
 
-@dataclass(frozen=True)
-class Metric:
-    """A metric.
-
-    Attributes:
-        name: As in results.csv.
-        unit: Its unit.
-        needs_body: It means something only on a skin or an inner garment; elsewhere it has no row.
-        module: The module that explains it.
-        best: "low", "high", or "one" (the nearer to 1 the better).
-    """
-
-    name: str
-    unit: str
-    module: str
-    needs_body: bool = False
-    best: str = "low"
-
-
-METRICS = {
+METRICS = {  # what every roll-out is scored by
     m.name: m
     for m in (
-        Metric("one_step_l2", "cm", "l2"),
-        Metric("rollout_l2", "cm", "l2"),
-        Metric("interpenetration", "%", "interpenetration", needs_body=True),
-        Metric("interpenetration_before", "%", "interpenetration", needs_body=True),
-        Metric("interpenetration_strict", "%", "interpenetration_strict", needs_body=True),
-        Metric("depth_p95", "mm", "interpenetration_strict", needs_body=True),
-        Metric("self_intersection", "%", "self_intersection"),
-        Metric("strain_p95", "%", "strain"),
-        Metric("strain_p99_max", "%", "strain"),
-        Metric("jitter", "m/s^2", "jitter"),
-        Metric("liveliness", "1", "liveliness", best="one"),
-        Metric("skill", "1", "skill", best="high"),
-        Metric("stable_frames", "frames", "stable_frames", best="high"),
-        Metric("energy_left", "%", "energy_left"),
-        Metric("change", "cm", "change"),
-        Metric("difference", "cm", "difference"),
-        Metric("difference_p95", "cm", "difference"),
-        Metric("ms_per_frame", "ms", "ms_per_frame"),
-        Metric("ms_per_frame_p95", "ms", "ms_per_frame"),
-        Metric("ms_prepare", "ms", "ms_per_frame"),
-        Metric("ms_predict", "ms", "ms_per_frame"),
-        Metric("ms_collide", "ms", "ms_per_frame"),
+        ROLLOUT_L2,
+        ONE_STEP_L2,
+        STABLE_FRAMES,
+        SELF_INTERSECTION,
+        STRAIN_P95,
+        JITTER,
+        LIVELINESS,
+        INTERPENETRATION,
+        INTERPENETRATION_STRICT,
+        DEPTH_P95,
+        INTERPENETRATION_BEFORE,
+        *TIMES,
     )
 }
+STUDY_METRICS = {  # numbers that only some table has; their `compute` takes what its own signature says
+    m.name: m
+    for m in (
+        SKILL,
+        CHANGE,
+        *DIFFERENCES,
+        ENERGY_LEFT,
+        CROSSING_FACES_MAX,
+        STRAIN_MEAN,
+        STRAIN_P99_MAX,
+    )
+}
+
+
+def metric(name: str) -> Metric:
+    """The metric of that name. Raises `UsageError` for an unknown one."""
+    known = METRICS | STUDY_METRICS
+    if name not in known:
+        raise unknown_name("metric", name, list(known))
+    return known[name]

@@ -10,12 +10,17 @@ When it lies. A method that never moves the cloth doesn't change either: read `r
 """
 
 import numpy as np
+from jaxtyping import Float
 
 from garmentbench.metrics.l2 import l2
+from garmentbench.metrics.metric import Metric
 
 
 def change(
-    stressed: np.ndarray, plain: np.ndarray, turn_degrees: float, translate: tuple[float, float, float]
+    stressed: Float[np.ndarray, "frames vertices 3"],
+    plain: Float[np.ndarray, "other_frames vertices 3"],
+    turn_degrees: float,
+    translate: tuple[float, float, float],
 ) -> float:
     """Mean distance [cm] over the frames that both have, of positions [m], shape (T, V, 3)."""
     frames = min(len(stressed), len(plain))
@@ -23,3 +28,6 @@ def change(
     turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     back = (np.asarray(stressed[:frames], np.float64) - np.array(translate)) @ turn  # rows times turn: its inverse
     return l2(back, np.asarray(plain[:frames], np.float64))
+
+
+CHANGE = Metric("change", "cm", "changed by", change)

@@ -12,18 +12,30 @@ material as much as by their errors. A mean over still and moving frames is smal
 """
 
 import numpy as np
+from jaxtyping import Float
+
+from garmentbench.metrics.metric import Metric
 
 
-def difference(first: np.ndarray, second: np.ndarray) -> float:
+def difference(first: Float[np.ndarray, "frames vertices 3"], second: Float[np.ndarray, "frames vertices 3"]) -> float:
     """Mean distance [cm] of positions [m], both of shape (T, V, 3)."""
     return float(distances_cm(first, second).mean())
 
 
-def difference_p95(first: np.ndarray, second: np.ndarray) -> float:
+def difference_p95(
+    first: Float[np.ndarray, "frames vertices 3"], second: Float[np.ndarray, "frames vertices 3"]
+) -> float:
     """95th percentile of the distances [cm] of positions [m], both of shape (T, V, 3)."""
     return float(np.percentile(distances_cm(first, second), 95))
 
 
-def distances_cm(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+def distances_cm(
+    first: Float[np.ndarray, "frames vertices 3"], second: Float[np.ndarray, "frames vertices 3"]
+) -> Float[np.ndarray, "frames vertices"]:
     """Distance of each vertex in each frame [cm], shape (T, V), of positions [m], both of shape (T, V, 3)."""
     return 100 * np.linalg.norm(np.asarray(first, np.float64) - np.asarray(second, np.float64), axis=-1)
+
+
+DIFFERENCE = Metric("difference", "cm", "difference", difference)
+DIFFERENCE_P95 = Metric("difference_p95", "cm", "95th percentile", difference_p95)
+DIFFERENCES = (DIFFERENCE, DIFFERENCE_P95)

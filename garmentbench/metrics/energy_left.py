@@ -10,11 +10,16 @@ seen as a tremble (read the last frames of the recording). It is NaN where the g
 """
 
 import numpy as np
+from jaxtyping import Float
+
+from garmentbench.metrics.metric import Metric
 
 LAST = 30  # frames
 
 
-def energy_left(garment: np.ndarray, freeze_after: int, mass: np.ndarray) -> float:
+def energy_left(
+    garment: Float[np.ndarray, "frames vertices 3"], freeze_after: int, mass: Float[np.ndarray, " vertices"]
+) -> float:
     """Kinetic energy of the last 30 frames over that before the body froze [%].
 
     Args:
@@ -25,3 +30,6 @@ def energy_left(garment: np.ndarray, freeze_after: int, mass: np.ndarray) -> flo
     energy = np.square(np.diff(garment, axis=0), dtype=np.float64).sum(axis=-1) @ mass
     before = energy[:freeze_after].mean()
     return float(100 * energy[-LAST:].mean() / before) if before > 0 else float("nan")
+
+
+ENERGY_LEFT = Metric("energy_left", "%", "energy left", energy_left)

@@ -11,16 +11,26 @@ reference happens to be calm. A garment that doesn't move relative to a calm bod
 """
 
 import numpy as np
+from jaxtyping import Float
+
+from garmentbench.metrics.metric import Metric
 
 
-def accelerations(positions: np.ndarray, fps: float) -> np.ndarray:
+def accelerations(
+    positions: Float[np.ndarray, "frames vertices 3"], fps: float
+) -> Float[np.ndarray, "frames-2 vertices"]:
     """Sizes of accelerations [m/s^2], shape (T - 2, V), of positions [m], shape (T, V, 3)."""
     return np.linalg.norm(np.diff(positions, n=2, axis=0), axis=-1) * fps**2
 
 
-def jitter(predicted: np.ndarray, reference: np.ndarray, fps: float) -> float:
+def jitter(
+    predicted: Float[np.ndarray, "frames vertices 3"], reference: Float[np.ndarray, "frames vertices 3"], fps: float
+) -> float:
     """Mean excess of acceleration over the reference's [m/s^2], of positions [m], shape (T, V, 3); NaN for T < 3."""
     if len(predicted) < 3:
         return float("nan")
     excess = accelerations(predicted, fps) - accelerations(reference, fps)
     return float(np.maximum(excess, 0).mean(dtype=np.float64))
+
+
+JITTER = Metric("jitter", "m/s^2", "jitter", lambda m: jitter(m.predicted, m.reference, m.template.fps))

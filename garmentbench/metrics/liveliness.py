@@ -12,11 +12,17 @@ so plain skinning doesn't score 0. It is NaN where the reference does not move r
 """
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from garmentbench.geometry.nearest import nearest_vertices
+from garmentbench.metrics.metric import Metric
 
 
-def relative_energy(garment: np.ndarray, near: np.ndarray | None, mass: np.ndarray) -> float:
+def relative_energy(
+    garment: Float[np.ndarray, "frames vertices 3"],
+    near: Float[np.ndarray, "frames-1 vertices 3"] | None,
+    mass: Float[np.ndarray, " vertices"],
+) -> float:
     """Sum of mass times squared displacement a frame, relative to the body.
 
     Args:
@@ -28,13 +34,17 @@ def relative_energy(garment: np.ndarray, near: np.ndarray | None, mass: np.ndarr
     return float(np.sum(np.square(moved, dtype=np.float64).sum(axis=-1) @ mass))
 
 
-def near_displacements(garment: np.ndarray, body: np.ndarray) -> np.ndarray:
+def near_displacements(
+    garment: Float[np.ndarray, "frames vertices 3"], body: Float[np.ndarray, "frames body_vertices 3"]
+) -> Float[np.ndarray, "frames-1 vertices 3"]:
     """Displacement over each frame of the body vertex nearest to each garment vertex [m], shape (T - 1, V, 3)."""
     near = [d[nearest_vertices(g, b)[1]] for d, g, b in zip(np.diff(body, axis=0), garment[1:], body[1:])]
     return np.array(near, body.dtype).reshape(-1, *garment.shape[1:])
 
 
-def vertex_areas(rest: np.ndarray, faces: np.ndarray) -> np.ndarray:
+def vertex_areas(
+    rest: Float[np.ndarray, "vertices 3"], faces: Int[np.ndarray, "faces 3"]
+) -> Float[np.ndarray, " vertices"]:
     """A third of the area of the faces round each vertex [m^2], shape (V,), float64."""
     a, b, c = (rest[faces[:, k]].astype(np.float64) for k in range(3))
     area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
@@ -42,7 +52,11 @@ def vertex_areas(rest: np.ndarray, faces: np.ndarray) -> np.ndarray:
 
 
 def liveliness(
-    predicted: np.ndarray, reference: np.ndarray, body: np.ndarray | None, rest: np.ndarray, faces: np.ndarray
+    predicted: Float[np.ndarray, "frames vertices 3"],
+    reference: Float[np.ndarray, "frames vertices 3"],
+    body: Float[np.ndarray, "frames body_vertices 3"] | None,
+    rest: Float[np.ndarray, "vertices 3"],
+    faces: Int[np.ndarray, "faces 3"],
 ) -> float:
     """Kinetic energy relative to the body over the reference's.
 
@@ -56,3 +70,12 @@ def liveliness(
     near, mass = None if body is None else near_displacements(reference, body), vertex_areas(rest, faces)
     energy = relative_energy(reference, near, mass)
     return relative_energy(predicted, near, mass) / energy if energy > 0 else float("nan")
+
+
+LIVELINESS = Metric(
+    "liveliness",
+    "1",
+    "liveliness",
+    lambda m: liveliness(m.predicted, m.reference, m.body, m.template.garment.rest, m.template.garment.faces),
+    best="one",
+)

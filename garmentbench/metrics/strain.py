@@ -1,6 +1,9 @@
 """Strain: how much the cloth is stretched or squeezed.
 
     strain_p95 = 100 mean_t p95_e | l_te / L_e - 1 |,   l an edge's length in frame t, L in the template    [%]
+    strain_mean = 100 mean_t mean_e | l_te / L_e - 1 |,   strain_p99_max = 100 max_t p99_e | l_te / L_e - 1 |    [%]
+
+The last two are the simulator's own, taken while it runs.
 
 When it lies. It doesn't know the material: cloth that should stretch is judged as cloth that should not, so compare it
 with the reference's own strain, which stands beside it. Short edges have large strains for a small error; the 95th
@@ -8,11 +11,17 @@ percentile leaves the worst twentieth out, and with it a single torn seam. Bendi
 """
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from garmentbench.geometry.mesh import edge_lengths, unique_edges
+from garmentbench.metrics.metric import Metric
 
 
-def strain_p95(garment: np.ndarray, rest: np.ndarray, faces: np.ndarray) -> float:
+def strain_p95(
+    garment: Float[np.ndarray, "frames vertices 3"],
+    rest: Float[np.ndarray, "vertices 3"],
+    faces: Int[np.ndarray, "faces 3"],
+) -> float:
     """95th percentile of the absolute edge strain [%], mean over frames.
 
     Args:
@@ -24,3 +33,23 @@ def strain_p95(garment: np.ndarray, rest: np.ndarray, faces: np.ndarray) -> floa
     lengths = edge_lengths(rest.astype(np.float64), edges)
     edges, lengths = edges[lengths > 0], lengths[lengths > 0]
     return float(100 * np.mean([np.percentile(np.abs(edge_lengths(g, edges) / lengths - 1), 95) for g in garment]))
+
+
+def strain_mean(mean_strain: Float[np.ndarray, " frames"]) -> float:
+    """Mean over frames [%] of each frame's mean absolute edge strain; frames with NaN are left out."""
+    return 100 * float(np.nanmean(mean_strain))
+
+
+def strain_p99_max(p99_strain: Float[np.ndarray, " frames"]) -> float:
+    """Largest [%] of the frames' 99th percentiles of absolute edge strain; frames with NaN are left out."""
+    return 100 * float(np.nanmax(p99_strain))
+
+
+STRAIN_P95 = Metric(
+    "strain_p95",
+    "%",
+    "strain, 95th percentile",
+    lambda m: strain_p95(m.predicted, m.template.garment.rest, m.template.garment.faces),
+)
+STRAIN_MEAN = Metric("strain_mean", "%", "strain, mean", strain_mean)
+STRAIN_P99_MAX = Metric("strain_p99_max", "%", "largest strain, 99th percentile", strain_p99_max)

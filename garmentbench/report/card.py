@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from garmentbench import sequence_file
+from garmentbench.metrics import metric
 from garmentbench.sequence import Sequence
 from garmentbench.sequence_file.layout import KIND, REMAKE, SCHEMA
 from garmentbench.storage import hdf5
 
 YES_NO = "yes or no"
-INSIDE = "interpenetration"  # key of a sequence's info
 
 
 @dataclass(frozen=True)
@@ -70,6 +70,11 @@ def _noted(*keys: str) -> Callable[[Sequence], float | None]:
     return read
 
 
+def _score(name: str, section: str, label: str) -> Fact:
+    """One of the reference's own scores, under the metric's name."""
+    return Fact(name, section, label, metric(name).unit, lambda s: s.scores.get(name))
+
+
 def _body_count(what: str) -> Callable[[Sequence], float | None]:
     return lambda s: 0.0 if s.template.body is None else float(len(getattr(s.template.body, what)))
 
@@ -91,9 +96,9 @@ FACTS = (
     Fact("pinned_vertices", COUNTS, "vertices held by the body", "", lambda s: len(s.template.garment.pins)),
     Fact("body_vertices", COUNTS, "body vertices", "", _body_count("rest")),
     Fact("body_faces", COUNTS, "body faces", "", _body_count("faces")),
-    Fact("ms_per_frame", COST, "simulator, a frame", "ms", _noted("simulation", "ms_per_frame")),
+    _score("ms_per_frame", COST, "simulator, a frame"),
     Fact("substeps", COST, "substeps a frame", "", _noted("simulation", "substeps")),
-    Fact("uncertainty_cm", UNCERTAINTY, "the larger of the next two", "cm", _noted("uncertainty", "cm")),
+    Fact("uncertainty", UNCERTAINTY, "the larger of the next two", "cm", lambda s: s.uncertainty_cm),
     Fact("doubling_cm", UNCERTAINTY, "twice the substeps", "cm", _noted("uncertainty", "doubling_cm")),
     Fact("perturbed_cm", UNCERTAINTY, "start pushed by 1 mm", "cm", _noted("uncertainty", "perturbed_cm")),
     Fact("uncertainty_frames", UNCERTAINTY, "frames compared", "", _noted("uncertainty", "frames")),
@@ -104,19 +109,17 @@ FACTS = (
         YES_NO,
         lambda s: s.template.needs.interpenetration,
     ),
-    Fact(
-        "vertex_percent", PENETRATION, "behind the nearest body vertex's plane", "%", _noted(INSIDE, "vertex_percent")
-    ),
-    Fact("strict_percent", PENETRATION, "strict, by signed distance", "%", _noted(INSIDE, "strict_percent")),
-    Fact("depth_p95_mm", PENETRATION, "depth of those, 95th percentile", "mm", _noted(INSIDE, "depth_p95_mm")),
-    Fact("self_percent", SELF, "faces that cross another", "%", _noted("self_intersection", "percent")),
-    Fact("self_most_faces", SELF, "most in one frame", "", _noted("self_intersection", "most_faces")),
+    _score("interpenetration", PENETRATION, "behind the nearest body vertex's plane"),
+    _score("interpenetration_strict", PENETRATION, "strict, by signed distance"),
+    _score("depth_p95", PENETRATION, "depth of those, 95th percentile"),
+    _score("self_intersection", SELF, "faces that cross another"),
+    _score("crossing_faces_max", SELF, "most in one frame"),
     Fact("self_contact", SELF, "self-contact is simulated", YES_NO, _noted("simulation", "settings", "self_contact")),
-    Fact("mean_strain", STRAIN, "mean", "%", _noted("simulation", "mean_strain_percent")),
-    Fact("p99_strain", STRAIN, "largest 99th percentile", "%", _noted("simulation", "p99_strain_percent")),
+    _score("strain_mean", STRAIN, "mean"),
+    _score("strain_p99_max", STRAIN, "largest 99th percentile"),
     Fact("first_bad_frame", STRAIN, "first unstable frame", "", _noted("simulation", "first_bad_frame")),
 )
-NEEDS_INSIDE = frozenset({"vertex_percent", "strict_percent", "depth_p95_mm"})
+NEEDS_INSIDE = frozenset({"interpenetration", "interpenetration_strict", "depth_p95"})
 
 
 def card_of(sequence: Sequence) -> Card:

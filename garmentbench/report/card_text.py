@@ -6,14 +6,14 @@ from garmentbench.method import HISTORY
 from garmentbench.report.card import COST, FACTS, NEEDS_INSIDE, SECTIONS, UNCERTAINTY, YES_NO, Card, Fact
 
 LIMITS = (  # what makes a flaw: a fact, the most it may be, and how it is said
-    ("strict_percent", 0.1, "{0:.2g} % of the garment's vertices lie inside the body, more than {1:g} %."),
-    ("uncertainty_cm", 0.3, "Its own uncertainty is {0:.2g} cm, more than {1:g} cm."),
+    ("interpenetration_strict", 0.1, "{0:.2g} % of the garment's vertices lie inside the body, more than {1:g} %."),
+    ("uncertainty", 0.3, "Its own uncertainty is {0:.2g} cm, more than {1:g} cm."),
     (
-        "p99_strain",
+        "strain_p99_max",
         10.0,
         "In some frame 1 % of the edges are strained by more than {0:.0f} %, and {1:g} % is much for cloth.",
     ),
-    ("self_percent", 0.0, "{0:.2g} % of the faces pass through another."),
+    ("self_intersection", 0.0, "{0:.2g} % of the faces pass through another."),
 )
 _NOTES = {
     UNCERTAINTY: "Mean distance over vertices and frames when nothing that matters is changed.",
@@ -58,7 +58,7 @@ def flaws(card: Card) -> list[str]:
         found.append("How it was made is not known.")
     unmeasured = [
         what
-        for name, what in (("uncertainty_cm", "uncertainty"), ("self_percent", "self-intersection"))
+        for name, what in (("uncertainty", "uncertainty"), ("self_intersection", "self-intersection"))
         if name not in n
     ]
     if unmeasured:
@@ -105,7 +105,7 @@ def _how(card: Card) -> list[str]:
     )
 
     n = card.numbers
-    frames, doubt = n["frames"], n.get("uncertainty_cm")
+    frames, doubt = n["frames"], n.get("uncertainty")
     preset = f" --preset {card.preset}" if card.preset else ""
     scene = card.scene if card.status else f"{card.scene}.h5"
     train = f"garmentbench train METHOD --scene {scene}{preset}"

@@ -3,7 +3,7 @@
 import math
 
 from garmentbench.evals.paper_numbers import paper_number
-from garmentbench.metrics import METRICS
+from garmentbench.metrics import metric
 from garmentbench.report.lines import Line, Value
 from garmentbench.report.table import Cell
 
@@ -56,10 +56,10 @@ def paper_cell(line: Line, metric: str, horizon: int) -> Cell:
     return Cell(number(found.value) if found else "", note=True)
 
 
-def best(values: list[Value | None], metric: str) -> Value | None:
+def best(values: list[Value | None], name: str) -> Value | None:
     """The best of a metric's values, if it is so by more than the reference's uncertainty; None if none is, or where
     that isn't known. What failed in some seeds doesn't compete."""
-    merit = {"low": lambda x: -x, "high": lambda x: x, "one": lambda x: -abs(x - 1.0)}[METRICS[metric].best]
+    merit = {"low": lambda x: -x, "high": lambda x: x, "one": lambda x: -abs(x - 1.0)}[metric(name).best]
     running = [v for v in values if v is not None and not v.endings]
     if len(running) < 2:
         return None

@@ -8,14 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from garmentbench.errors import UserError
+from garmentbench.evaluation.results import COLUMNS
 
 if TYPE_CHECKING:
     import pandas
 
-COLUMNS = (
-    "preset experiment scene split garment motion body method variant train_frames seed metric horizon value unit "
-    "reference_value uncertainty status first_bad_frame run_id"
-).split()
+ADDED = ("train_scenes", "note")  # columns that reports made before them lack
 TRAINING_LENGTH = "table4"  # the experiment that compares training lengths
 REFERENCE = "reference"  # the method name of the reference simulation's own lines
 METHOD_ORDER = ("reference", "skinning", "hold", "constant_velocity", "linear_subspace")
@@ -96,10 +94,11 @@ def read_results(path: Path) -> "pandas.DataFrame":
         raise UserError(f"{path}: no results yet; `make evals PRESET={path.parent.name}` makes them")
     numbers = {"train_frames", "seed", "horizon", "value", "reference_value", "uncertainty", "first_bad_frame"}
     table = pandas.read_csv(path, dtype={column: str for column in COLUMNS if column not in numbers})
+    table = table.assign(**{column: "" for column in ADDED if column not in table.columns})
     missing = [c for c in COLUMNS if c not in table.columns]
     if missing:
         raise UserError(f"{path}: lacks the column '{missing[0]}'; run `make evals PRESET={path.parent.name}` again")
-    return table.fillna({column: "" for column in ("variant", "body", "status", "run_id")})
+    return table.fillna({column: "" for column in ("variant", "body", "status", "run_id", *ADDED)})
 
 
 def lines(results: "pandas.DataFrame", experiment: str, scene: str | None = None) -> list[Line]:

@@ -163,7 +163,8 @@ def starts_inside(a: Arrays) -> list[Problem]:
 
 def through_itself(a: Arrays) -> list[Problem]:
     """How much of the garment passes through itself? Looks at every frame: for `check`, not for every reading."""
-    from garmentbench.metrics.self_intersection import crossing_faces, self_intersection
+    from garmentbench.geometry.crossing import crossing_faces
+    from garmentbench.metrics.self_intersection import self_intersection
 
     crossing = crossing_faces(a["garment/frames"], a["garment/faces"], a["garment/seams"])
     percent, frame = self_intersection(crossing), int(crossing.sum(axis=1).argmax())

@@ -6,6 +6,7 @@ from dataclasses import asdict, replace
 import numpy as np
 
 from garmentbench.errors import UserError
+from garmentbench.metrics.strain import strain_mean, strain_p99_max
 from garmentbench.progress import track
 from garmentbench.scenes.presets import Preset
 from garmentbench.scenes.scene import Scene
@@ -109,8 +110,8 @@ def _summary(run: Drive, warm_up: int, layer: Layer, device: str) -> dict:
         "material": asdict(layer.material),
         "settings": asdict(layer.settings),
         "substeps": run.substeps,
-        "mean_strain_percent": 100 * float(np.nanmean(mean)),
-        "p99_strain_percent": 100 * float(np.nanmax(high)),
+        "strain_mean": strain_mean(mean),
+        "strain_p99_max": strain_p99_max(high),
         "ms_per_frame": run.ms_per_frame,
         "status": run.status,
         "first_bad_frame": None if run.first_bad_frame is None else run.first_bad_frame - warm_up,

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from garmentbench.reference import own_interpenetration, own_self_intersection
+from garmentbench.reference import reference_scores
 from garmentbench.scenes.presets import preset
 from garmentbench.scenes.scene import load_scene
 from garmentbench.simulation.simulate import simulate
@@ -20,16 +20,16 @@ def reference(request):
 
 def test_it_is_stable_and_not_inside(reference):
     assert reference.info["simulation"]["status"] == "ok"
-    assert own_interpenetration(reference)["strict_percent"] <= PERCENT
+    assert reference_scores(reference)["interpenetration_strict"] <= PERCENT
 
 
 def test_it_does_not_pass_through_itself(reference):
-    assert own_self_intersection(reference)["percent"] <= 0.5
+    assert reference_scores(reference)["self_intersection"] <= 0.5
 
 
 def test_a_bodysuit_needs_self_contact():
     """Without it, armpits and the crotch pass through themselves."""
     scene = replace(load_scene("bodysuit-catwalk"), frames=15)
     alone = replace(scene, simulation=scene.simulation | {"self_contact": False})
-    touching, passing = (own_self_intersection(simulate(s, preset("laptop")))["percent"] for s in (scene, alone))
+    touching, passing = (reference_scores(simulate(s, preset("laptop")))["self_intersection"] for s in (scene, alone))
     assert touching < 0.1 < 0.3 < passing

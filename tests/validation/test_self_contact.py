@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from sheets import FPS, HARD, floor, grid, run
 
-from garmentbench.metrics.self_intersection import crossing_faces
+from garmentbench.geometry.crossing import crossing_faces
 from garmentbench.sequence import Garment
 from garmentbench.simulation.material import Material, Settings
 

@@ -51,7 +51,7 @@ _WORST = 3  # places named by their coordinates
 
 def depths(points: np.ndarray, wearer: Wearer) -> np.ndarray:
     """How deep points [m], shape (P, 3), lie inside the body [m], shape (P,), negative outside."""
-    from garmentbench.metrics.interpenetration_strict import signed_distances
+    from garmentbench.geometry.signed_distance import signed_distances
 
     points, rest = points[None].astype(np.float32), wearer.body.rest[None].astype(np.float32)
     return -signed_distances(points, rest, wearer.body.faces.astype(np.int32))[0].astype(np.float64)

@@ -14,7 +14,9 @@ from garmentbench.importing.meshes.mesh_sequence import MeshSequence, refusal
 from garmentbench.importing.meshes.placing import outward, placed_frames, placed_rest
 from garmentbench.importing.meshes.reading import HDF5, Place, read_both
 from garmentbench.importing.meshes.uv_map import seam_pairs, vertex_uv
-from garmentbench.reference import IDENTITY, own_interpenetration
+from garmentbench.metrics.interpenetration_strict import PENETRATION
+from garmentbench.metrics.metric import Motion, scores
+from garmentbench.reference import IDENTITY
 from garmentbench.sequence import GARMENT, HUMAN, Body, Garment, Sequence, Template
 
 _HIGHEST, _LOWEST = 3.0, 0.5  # of a human body [m], by the units that a file states
@@ -57,9 +59,9 @@ def import_files(garment: Place, body: Place, wanted: Wanted, out: Path) -> list
         sequence, notes = _renamed(own, body, wanted)
     else:
         sequence, notes = import_meshes(*read_both(garment, body), wanted)
-    if sequence.template.needs.interpenetration and "interpenetration" not in sequence.info:
+    if sequence.template.needs.interpenetration and "interpenetration" not in sequence.scores:
         sequence = measured(sequence)
-        percent = sequence.info["interpenetration"]["strict_percent"]
+        percent = sequence.scores["interpenetration_strict"]
         notes.append(f"interpenetration: {percent:.3g} % of the garment's vertices lie inside the body")
     sequence_file.save(sequence, out)
     return notes
@@ -97,8 +99,8 @@ def measured(sequence: Sequence) -> Sequence:
     frames = min(len(sequence), max(1, _MEASURED // sequence.garment.shape[1]))
     chosen = np.linspace(0, len(sequence) - 1, frames).round().astype(int)
     some = replace(sequence, garment=sequence.garment[chosen], body=sequence.body[chosen])
-    noted = own_interpenetration(some) | {"frames": len(chosen)}
-    return replace(sequence, info=sequence.info | {"interpenetration": noted})
+    noted = {"scores": scores(Motion.of(some), *PENETRATION), "scored_frames": len(chosen)}
+    return replace(sequence, info=sequence.info | noted)
 
 
 def import_meshes(garment: MeshSequence, body: MeshSequence | None, wanted: Wanted) -> tuple[Sequence, list[str]]:

@@ -125,7 +125,7 @@ def arms_inside(clip: Clip, baked: BakedBody) -> float:
 
     Of at most 60 frames, evenly spread. Upper arms don't count as the rest of the body: they hang on to the fore-arms.
     """
-    from garmentbench.metrics.interpenetration_strict import signed_distances
+    from garmentbench.geometry.signed_distance import signed_distances
 
     chosen = np.unique(np.linspace(0, len(clip) - 1, _LOOKED_AT).round().astype(int))
     vertices = pose(baked, clip.rotations[chosen], clip.root[chosen])

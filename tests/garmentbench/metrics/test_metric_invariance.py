@@ -1,13 +1,19 @@
 """Metrics do not depend on where the scene stands, which way it faces, or how vertices are numbered."""
 
+from importlib import import_module
+from pkgutil import iter_modules
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from garmentbench import metrics
+from garmentbench.errors import UsageError
 from garmentbench.evaluation.toy import tiny_sequence
-from garmentbench.metrics import METRICS
+from garmentbench.geometry.signed_distance import signed_distances
+from garmentbench.metrics import METRICS, STUDY_METRICS
 from garmentbench.metrics.interpenetration import interpenetration
-from garmentbench.metrics.interpenetration_strict import depth_p95, interpenetration_strict, signed_distances
+from garmentbench.metrics.interpenetration_strict import depth_p95, interpenetration_strict
 from garmentbench.metrics.jitter import jitter
 from garmentbench.metrics.l2 import l2
 from garmentbench.metrics.liveliness import liveliness
@@ -78,9 +84,21 @@ def test_frames_are_independent(plain):
         assert np.mean(alone) == pytest.approx(plain[name], rel=1e-6)
 
 
-@pytest.mark.parametrize("metric", METRICS.values(), ids=lambda m: m.name)
-def test_every_metric_has_a_note_that_says_when_it_lies(metric):
-    from importlib import import_module
+NOTES = [import_module(m.name).__doc__ for m in iter_modules(metrics.__path__, "garmentbench.metrics.")]
+NOTES = [note for note in NOTES if "When it lies." in note]
 
-    note = import_module(f"garmentbench.metrics.{metric.module}").__doc__
-    assert "When it lies." in note and metric.unit in note
+
+@pytest.mark.parametrize("metric", (METRICS | STUDY_METRICS).values(), ids=lambda m: m.name)
+def test_every_metric_has_a_note_that_says_when_it_lies(metric):
+    assert sum(metric.name in note and metric.unit in note for note in NOTES) >= 1
+
+
+def test_a_metric_is_found_by_its_name_and_a_wrong_one_refused():
+    assert metrics.metric("change").unit == "cm" and metrics.metric("jitter") is METRICS["jitter"]
+    with pytest.raises(UsageError, match="did you mean 'jitter'"):
+        metrics.metric("jiter")
+
+
+def test_names_and_titles_are_stated_once():
+    known = [*METRICS.values(), *STUDY_METRICS.values()]
+    assert len({m.name for m in known}) == len({m.title for m in known}) == len(known)

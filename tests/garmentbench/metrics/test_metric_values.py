@@ -3,15 +3,17 @@
 import numpy as np
 import pytest
 
+from garmentbench.geometry.signed_distance import signed_distances
 from garmentbench.metrics.interpenetration import inside_vertices, interpenetration
-from garmentbench.metrics.interpenetration_strict import depth_p95, interpenetration_strict, signed_distances
+from garmentbench.metrics.interpenetration_strict import depth_p95, interpenetration_strict
 from garmentbench.metrics.jitter import jitter
 from garmentbench.metrics.l2 import frame_l2, l2
 from garmentbench.metrics.liveliness import liveliness, near_displacements, vertex_areas
-from garmentbench.metrics.ms_per_frame import time_per_frame
+from garmentbench.metrics.metric import Motion, scores
+from garmentbench.metrics.ms_per_frame import TIMES, under_load
 from garmentbench.metrics.skill import skill
 from garmentbench.metrics.stable_frames import stable_frames
-from garmentbench.metrics.strain import strain_p95
+from garmentbench.metrics.strain import strain_mean, strain_p95, strain_p99_max
 
 # A tetrahedron with corners 0, x, y, z; its slanted face is the plane x + y + z = 1. Outward orientation.
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], np.float32)
@@ -162,9 +164,46 @@ def test_stable_frames_goes_by_the_first_50_only():
     assert stable_frames(error) == 50
 
 
+def times(ms, processor_ms=None):
+    """All times of a roll-out, and those that were taken under load."""
+    positions = np.zeros((len(ms), 1, 3), np.float32)
+    motion = Motion(positions, positions, None, None, ms=ms, processor_ms=processor_ms)
+    return scores(motion, *TIMES), {m.name for m in TIMES if under_load(motion, m)}
+
+
 def test_time_per_frame():
     ms = np.array([[np.nan] * 3, [1, 10, 0], [2, 20, 0], [3, 30, 6]])
-    times = time_per_frame(ms)
-    assert (times["ms_prepare"], times["ms_predict"], times["ms_collide"]) == (2, 20, 0)
-    assert times["ms_per_frame"] == 22 and times["ms_per_frame_p95"] == pytest.approx(22 + 0.9 * 17)
-    assert all(np.isnan(v) for v in time_per_frame(ms[:1]).values())
+    values, _ = times(ms)
+    assert (values["ms_prepare"], values["ms_predict"], values["ms_collide"]) == (2, 20, 0)
+    assert values["ms_per_frame"] == 22 and values["ms_per_frame_p95"] == pytest.approx(22 + 0.9 * 17)
+    assert all(np.isnan(v) for v in times(ms[:1])[0].values())
+    assert "ms_processor" not in values
+    assert times(ms, np.array([np.nan, 10.0, 21, 30]))[0]["ms_processor"] == 21
+
+
+@pytest.mark.parametrize(
+    ("wall", "processor", "marked"),
+    [
+        (13.0, 12.0, set()),
+        (141.0, 13.0, {"ms_per_frame", "ms_per_frame_p95", "ms_prepare", "ms_predict", "ms_collide"}),
+        (0.06, 0.02, set()),  # within the clocks' own noise
+        (13.0, 30.0, set()),  # several threads
+        (13.0, np.nan, set()),
+    ],
+)
+def test_wall_time_far_above_processor_time_is_marked(wall, processor, marked):
+    ms = np.zeros((20, 3))
+    ms[:, 1] = wall
+    assert times(ms, np.full(20, processor))[1] == marked
+
+
+def test_a_few_slow_frames_spoil_the_95th_percentile_only():
+    ms = np.zeros((20, 3))
+    ms[:, 1] = [10.0] * 17 + [90.0] * 3
+    assert times(ms, np.full(20, 10.0))[1] == {"ms_per_frame_p95"}
+    assert times(ms, np.full(20, 10.0))[0]["ms_per_frame"] == 10
+
+
+def test_strain_of_a_simulation():
+    assert strain_mean(np.array([0.01, 0.03, np.nan])) == pytest.approx(2.0)
+    assert strain_p99_max(np.array([0.1, 0.3, np.nan])) == pytest.approx(30.0)

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from garmentbench.metrics.self_intersection import crossing_faces, self_intersection
+from garmentbench.geometry.crossing import crossing_faces
+from garmentbench.metrics.self_intersection import self_intersection
 
 NO_SEAMS = np.zeros((0, 2), np.int32)
 FLAT = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]

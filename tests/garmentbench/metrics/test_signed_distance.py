@@ -4,7 +4,7 @@ import numpy as np
 import trimesh
 
 from garmentbench.evaluation.toy import tiny_sequence
-from garmentbench.metrics.interpenetration_strict import signed_distances
+from garmentbench.geometry.signed_distance import signed_distances
 
 
 def plain_signed_distance(point, triangles):

@@ -33,15 +33,20 @@ SIMULATED = {
     "simulation": {
         "ms_per_frame": 60.0,
         "substeps": 120,
-        "mean_strain_percent": 0.6,
-        "p99_strain_percent": 4.0,
+        "strain_mean": 0.6,
+        "strain_p99_max": 4.0,
         "status": "ok",
         "first_bad_frame": None,
         "settings": {"self_contact": True},
     },
     "uncertainty": {"doubling_cm": 0.1, "perturbed_cm": 0.25, "cm": 0.25, "frames": 9},
-    "interpenetration": {"vertex_percent": 0.2, "strict_percent": 0.05, "depth_p95_mm": 0.4},
-    "self_intersection": {"percent": 0.0, "most_faces": 0},
+    "scores": {
+        "interpenetration": 0.2,
+        "interpenetration_strict": 0.05,
+        "depth_p95": 0.4,
+        "self_intersection": 0.0,
+        "crossing_faces_max": 0.0,
+    },
 }
 
 
@@ -85,17 +90,17 @@ def test_a_card_says_what_was_measured():
 @pytest.mark.parametrize(
     ("changes", "flaw"),
     [
-        ({"interpenetration__strict_percent": 0.11}, "0.11 % of the garment's vertices lie inside the body"),
+        ({"scores__interpenetration_strict": 0.11}, "0.11 % of the garment's vertices lie inside the body"),
         ({"uncertainty__cm": 0.31}, "uncertainty is 0.31 cm, more than 0.3 cm"),
-        ({"simulation__p99_strain_percent": 12.0}, "strained by more than 12 %"),
-        ({"self_intersection__percent": 0.5}, "0.5 % of the faces pass through another"),
+        ({"simulation__strain_p99_max": 12.0}, "strained by more than 12 %"),
+        ({"scores__self_intersection": 0.5}, "0.5 % of the faces pass through another"),
         (
             {"simulation__status": "unstable", "simulation__first_bad_frame": 7},
             "The simulation is unstable from frame 7 on.",
         ),
         ({"simulation__settings": {"self_contact": False}}, "self-contact is off"),
         ({"uncertainty": {}}, "Not measured: uncertainty."),
-        ({"uncertainty": {}, "self_intersection": {}}, "Not measured: uncertainty and self-intersection."),
+        ({"uncertainty": {}, "scores": {}}, "Not measured: uncertainty and self-intersection."),
         ({"simulation": {}}, "How it was made is not known."),
     ],
 )
@@ -126,7 +131,7 @@ def test_a_card_of_an_imported_sequence_tells_what_was_settled():
 
 def test_a_card_from_results_is_the_card_from_the_file(tmp_path):
     sequence_file.save(sequence(), tmp_path / "a.h5")
-    train = sequence(scene="b", split="train", self_intersection={}, uncertainty={})
+    train = sequence(scene="b", split="train", uncertainty={}, scores={"interpenetration_strict": 0.05})
     cards = [read_card(tmp_path / "a.h5"), card_of(train)]
     assert cards[0] == card_of(sequence())
     write(tmp_path / "results.csv", [row for card in cards for row in card_rows(card)])

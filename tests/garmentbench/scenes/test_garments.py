@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 
 from garmentbench.errors import UsageError
 from garmentbench.geometry.mesh import edge_lengths, unique_edges
-from garmentbench.metrics.interpenetration_strict import signed_distances
+from garmentbench.geometry.signed_distance import signed_distances
 from garmentbench.motion.stick import HEIGHT, RADIUS, stick
 from garmentbench.paths import GARMENTS
 from garmentbench.scenes.bodies import load_body

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from garmentbench import sequence_file
-from garmentbench.metrics.interpenetration_strict import signed_distances
+from garmentbench.geometry.signed_distance import signed_distances
 from garmentbench.scenes.inner_garment import sewn
 from garmentbench.scenes.presets import preset
 from garmentbench.scenes.scene import inner_scene, load_scene

@@ -26,7 +26,7 @@ def test_sequence_holds_its_frames_and_how_it_was_made(sequence):
     made = sequence.info["simulation"]
     assert made["status"] == "ok" and made["first_bad_frame"] is None
     assert made["substeps"] % made["settings"]["queries"] == 0
-    assert 0 < made["mean_strain_percent"] < 2
+    assert 0 < made["strain_mean"] < 2
     assert made["material"]["density"] == 0.2
 
 

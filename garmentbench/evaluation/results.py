@@ -1,0 +1,74 @@
+"""Rows of results.csv: one measured value each."""
+
+import math
+from dataclasses import dataclass, fields
+
+from garmentbench.metrics import Metric
+from garmentbench.metrics.l2 import ROLLOUT_L2
+
+BELOW_UNCERTAINTY = "below the reference's uncertainty"
+UNDER_LOAD = "timed under load"
+WARNINGS = {  # what to say where a noted value is read
+    BELOW_UNCERTAINTY: "the error is below the reference's own uncertainty, where differences mean nothing: "
+    "does the method read the reference?",
+    UNDER_LOAD: "wall time is far above processor time: the machine did other work, or the method waits for something; "
+    "delete the run's folder and evaluate again on an idle machine",
+}
+
+
+@dataclass(frozen=True)
+class Row:
+    """One measured value. Its fields are the columns of results.csv, in their order.
+
+    Attributes:
+        preset, experiment: Of which report and table.
+        scene, split, garment, motion, body: What was predicted.
+        method, variant, train_frames, seed: By what.
+        metric, horizon, value, unit: What was measured, over how many frames; NaN where there is no value.
+        reference_value: The reference's own value, by the same code; None where it has none.
+        uncertainty: The reference's uncertainty [cm]; None for a metric that is no length, or where it is not known.
+        status, first_bad_frame: How the roll-out ended: "ok", "diverged", "failed".
+        run_id: The run that measured it; a message in parentheses where none could be made.
+        train_scenes: What the method was trained on, names joined by "+".
+        note: What a reader must know of the value: `BELOW_UNCERTAINTY`, `UNDER_LOAD`, or nothing.
+    """
+
+    preset: str = ""
+    experiment: str = ""
+    scene: str = ""
+    split: str = ""
+    garment: str = ""
+    motion: str = ""
+    body: str = ""
+    method: str = ""
+    variant: str = ""
+    train_frames: int | None = None
+    seed: int = 0
+    metric: str = ""
+    horizon: int | None = None
+    value: float = math.nan
+    unit: str = ""
+    reference_value: float | None = None
+    uncertainty: float | None = None
+    status: str = "ok"
+    first_bad_frame: int | None = None
+    run_id: str = ""
+    train_scenes: str = ""
+    note: str = ""
+
+    @classmethod
+    def of(cls, metric: Metric, value: float, **columns) -> "Row":
+        """A metric's value, with its unit and, for a free roll-out's error below the uncertainty, a note."""
+        uncertainty = columns.get("uncertainty")
+        if metric is ROLLOUT_L2 and uncertainty is not None and value < uncertainty:
+            columns.setdefault("note", BELOW_UNCERTAINTY)
+        return cls(metric=metric.name, value=float(value), unit=metric.unit, **columns)
+
+    @property
+    def measured(self) -> dict:
+        """What a run keeps of it, as plain values: `Row(**measured)` is the row of an unnamed roll-out."""
+        return {name: getattr(self, name) for name in _MEASURED}
+
+
+_MEASURED = "metric horizon value unit reference_value uncertainty status first_bad_frame note".split()
+COLUMNS = tuple(field.name for field in fields(Row))

@@ -1,0 +1,87 @@
+"""Signed distance of points to a body's surface, negative inside.
+
+The sign is that of the angle-weighted normal at the nearest point (Baerentzen and Aanaes 2005), which is exact for closed
+surfaces. In float32 it is wrong for about 3 vertices in a million, where faces of a crease are almost equally near; so it
+is asked for with two tolerances, and where the two disagree the winding number decides. A garment beneath is open: what is
+nearest to its border, and beside it rather than behind it, is outside.
+"""
+
+import numpy as np
+import warp as wp
+
+from garmentbench.geometry.mesh import border_vertices
+from garmentbench.geometry.side import side
+from garmentbench.geometry.triangle import distance_to_face
+
+_FARTHEST = 1e4  # [m] search radius: everything
+
+
+def signed_distances(garment: np.ndarray, body: np.ndarray, body_faces: np.ndarray) -> np.ndarray:
+    """Signed distance of garment vertices to the body's surface, negative inside.
+
+    Args:
+        garment: [m], shape (T, V, 3), finite.
+        body: [m], shape (T, B, 3).
+        body_faces: Shape (K, 3), outward orientation.
+
+    Returns:
+        [m], float32, shape (T, V).
+    """
+    centre = body.mean(axis=1, keepdims=True)  # float32 has most digits near 0
+    garment, body = garment - centre, body - centre
+    out = np.empty(garment.shape[:2], np.float32)
+    border = np.zeros(body.shape[1], np.int32)
+    border[border_vertices(body_faces)] = 1
+    with wp.ScopedDevice("cpu"):
+        points = wp.array(body[0], dtype=wp.vec3)
+        mesh = wp.Mesh(points, wp.array(body_faces.ravel(), dtype=wp.int32))
+        distances = wp.empty(garment.shape[1], dtype=float)
+        near = wp.full(garment.shape[1], -1, dtype=int)
+        ends, closed = wp.array(border, dtype=int), not border.any()
+        for t in range(len(out)):
+            points.assign(body[t])
+            mesh.refit()
+            points_now = wp.array(garment[t], dtype=wp.vec3)
+            wp.launch(_query, len(distances), [mesh.id, len(body_faces), ends, closed, points_now, near], [distances])
+            out[t] = distances.numpy()
+    return out
+
+
+@wp.func
+def _winding_number(mesh: wp.uint64, face_count: int, point: wp.vec3) -> float:
+    """How often the surface goes round a point: the sum of its faces' solid angles over 4 pi (van Oosterom and Strackee
+    1983)."""
+    angle = float(0.0)
+    for face in range(face_count):
+        a = wp.mesh_get_point(mesh, 3 * face) - point
+        b = wp.mesh_get_point(mesh, 3 * face + 1) - point
+        c = wp.mesh_get_point(mesh, 3 * face + 2) - point
+        la, lb, lc = wp.length(a), wp.length(b), wp.length(c)
+        below = la * lb * lc + wp.dot(a, b) * lc + wp.dot(b, c) * la + wp.dot(c, a) * lb
+        angle += 2.0 * wp.atan2(wp.dot(a, wp.cross(b, c)), below)
+    return angle / (4.0 * wp.pi)
+
+
+@wp.kernel
+def _query(
+    mesh: wp.uint64,
+    face_count: int,
+    border: wp.array(dtype=int),
+    closed: bool,
+    points: wp.array(dtype=wp.vec3),
+    near: wp.array(dtype=int),
+    distances: wp.array(dtype=float),
+):
+    """near: the nearest face in the frame before, which bounds the search; -1: not known."""
+    i = wp.tid()
+    reach = float(_FARTHEST)
+    if near[i] >= 0:
+        reach = 1.01 * distance_to_face(mesh, near[i], points[i]) + 1.0e-3
+    hit = wp.mesh_query_point_sign_normal(mesh, points[i], reach, 1.0e-3)
+    again = wp.mesh_query_point_sign_normal(mesh, points[i], reach, 1.0e-5)
+    near[i] = hit.face
+    at = wp.mesh_eval_position(mesh, hit.face, hit.u, hit.v)
+    sign = side(mesh, border, hit, points[i] - at)
+    if closed and hit.sign != again.sign:
+        sign = 1.0 - 2.0 * wp.round(wp.min(wp.abs(_winding_number(mesh, face_count, points[i])), 1.0))
+    distances[i] = sign * wp.length(points[i] - at)

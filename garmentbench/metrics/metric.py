@@ -1,0 +1,86 @@
+"""What a metric is, and what it is computed from."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from garmentbench.sequence import Sequence, Template
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What a metric is computed from. The reference is scored by putting it in the prediction's place.
+
+    Attributes:
+        predicted: [m], shape (T, V, 3).
+        reference: [m], shape (T, V, 3).
+        body: [m], shape (T, B, 3); None where there is no body.
+        template: What does not change over time.
+        before_collision: As `predicted`, before the method's collision stage; None where it has none.
+        ms: Wall time of each frame's prepare, predict and collide [ms], shape (T, 3); None where nothing was timed.
+        processor_ms: Processor time of each frame [ms], shape (T,); None where it was not taken.
+    """
+
+    predicted: Float[np.ndarray, "frames vertices 3"]
+    reference: Float[np.ndarray, "frames vertices 3"]
+    body: Float[np.ndarray, "frames body_vertices 3"] | None
+    template: Template
+    before_collision: Float[np.ndarray, "frames vertices 3"] | None = None
+    ms: Float[np.ndarray, "frames 3"] | None = None
+    processor_ms: Float[np.ndarray, " frames"] | None = None
+
+    @classmethod
+    def of(cls, sequence: Sequence) -> "Motion":
+        """A sequence as its own prediction."""
+        return cls(sequence.garment, sequence.garment, sequence.body, sequence.template)
+
+    @cached_property
+    def distances(self) -> Float[np.ndarray, "frames vertices"]:
+        """Signed distance of every vertex to the body [m], negative inside, shape (T, V). There must be a body."""
+        from garmentbench.geometry.signed_distance import signed_distances  # it brings Warp
+
+        return signed_distances(self.predicted, self.body, self.template.body.faces)
+
+    @cached_property
+    def crossing(self) -> Bool[np.ndarray, "frames faces"]:
+        """Which of the garment's faces cross another, shape (T, F)."""
+        from garmentbench.geometry.crossing import crossing_faces
+
+        garment = self.template.garment
+        return crossing_faces(self.predicted, garment.faces, garment.seams)
+
+
+@dataclass(frozen=True)
+class Metric:
+    """A metric: all that is stated of a number, once.
+
+    Attributes:
+        name: As in results.csv, and wherever else the number is kept.
+        unit: Its unit.
+        title: Its label in tables.
+        compute: Its value, of a `Motion`; of a number that only a study has, of what `compute` itself says.
+        applies: To which motions (by default to all); elsewhere it has no row.
+        best: "low", "high", or "one" (the nearer to 1 the better).
+        whole: It needs the shape of the whole roll-out: NaN where that ended early. The reference has a value of its own.
+    """
+
+    name: str
+    unit: str
+    title: str
+    compute: Callable[..., float]
+    applies: Callable[[Motion], bool] = lambda motion: True
+    best: str = "low"
+    whole: bool = True
+
+
+def has_inside(motion: Motion) -> bool:
+    """Is the garment worn on a skin or on another garment, so that cloth can be on the wrong side?"""
+    return motion.template.needs.interpenetration
+
+
+def scores(motion: Motion, *metrics: Metric) -> dict[str, float]:
+    """Values of those metrics that apply, by name."""
+    return {metric.name: metric.compute(motion) for metric in metrics if metric.applies(motion)}
