@@ -71,4 +71,4 @@ class Row:
 
 
 _MEASURED = "metric horizon value unit reference_value uncertainty status first_bad_frame note".split()
-COLUMNS = tuple(field.name for field in fields(Row))
+COLUMNS = [field.name for field in fields(Row)]

@@ -1,6 +1,7 @@
 """Interpenetration, as the paper counts it: how much of the garment is behind the skin.
 
-    interpenetration = 100 / (T V) sum_t #{ i : (g_ti - b_tk) . n_tk < 0 },   b_tk the body vertex nearest to g_ti, n_tk its normal    [%]
+    interpenetration = 100 / (T V) sum_t #{ i : (g_ti - b_tk) . n_tk < 0 }    [%],
+    b_tk the body vertex nearest to g_ti, n_tk its normal
 
 `interpenetration_before` is the same of the garment before the method's collision stage.
 

@@ -204,4 +204,4 @@ def test_a_row_is_kept_as_plain_values_and_read_back():
     sequence = tiny_sequence(20)
     for row in score(shifted(sequence), None, sequence):
         assert Row(**json.loads(json.dumps(row.measured))) == row
-    assert COLUMNS[:3] == ("preset", "experiment", "scene") and COLUMNS[-2:] == ("train_scenes", "note")
+    assert COLUMNS[:3] == ["preset", "experiment", "scene"] and COLUMNS[-2:] == ["train_scenes", "note"]
