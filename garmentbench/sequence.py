@@ -84,14 +84,22 @@ class Template:
     body: Body | None
     fps: float
 
+    @property
+    def required_body(self) -> Body:
+        """The body, for work that only makes sense with one. Raises `ValueError` where there is none."""
+        if self.body is None:
+            raise ValueError(f"{self.garment.name} has no body; ask `needs` first")
+        return self.body
+
     @cached_property
     def needs(self) -> Needs:
+        """What follows from the kind of body and from the pins."""
         kind = None if self.body is None else self.body.kind
         human, worn = kind == HUMAN, kind in (HUMAN, GARMENT)
         return Needs(
             body=human,
             interaction_force=kind is not None,
-            part_radii=human and self.body.labels is not None,
+            part_radii=human and self.required_body.labels is not None,
             interpenetration=worn,
             collision_stage=worn,
             pins=len(self.garment.pins) > 0,
@@ -133,6 +141,13 @@ class Sequence:
         """The reference's own scores that are kept with it, under the metrics' names; some are the simulator's."""
         simulated = self.info.get("simulation", {})
         return {k: simulated[k] for k in _SIMULATED if k in simulated} | self.info.get("scores", {})
+
+    @property
+    def body_positions(self) -> np.ndarray:
+        """The body's positions [m], shape (T, B, 3). Raises `ValueError` where there is no body."""
+        if self.body is None:
+            raise ValueError(f"{self.template.garment.name} has no body; ask `template.needs` first")
+        return self.body
 
     @property
     def uncertainty_cm(self) -> float | None:

@@ -1,4 +1,4 @@
-"""Tests run on one thread: on a small machine several threads of tiny operations wait for each other most of the time."""
+"""Tests run on one thread: on a small machine threads of tiny operations wait for each other most of the time."""
 
 import os
 import signal
@@ -10,7 +10,7 @@ from garmentbench.paths import HOME_VARIABLE
 os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
 os.environ.pop(HOME_VARIABLE, None)  # no test writes where the user keeps results
 
-# A shell ignores Ctrl-C in what it starts in the background, and processes inherit that: the tests of Ctrl-C would fail there.
+# A shell ignores Ctrl-C in what it starts in the background, and processes inherit that: tests of Ctrl-C would fail.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 

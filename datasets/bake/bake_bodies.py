@@ -60,10 +60,10 @@ def decimate(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Small faces, and each small vertex as a blend of full vertices, shape (small, full).
 
-    The base shape's shortest edges are collapsed (libigl keeps it a manifold). That leaves even triangles of 25 mm where
-    garments touch; quadric errors left edges of 150 mm on the thighs, too coarse for a test by the nearest vertex.
-    Hands, feet and head are blown up meanwhile, so that they keep their fingers. Each vertex is then taken to the
-    nearest point of the full surface, whose barycentric coordinates carry it over to the other shapes.
+    The base shape's shortest edges are collapsed (libigl keeps it a manifold). That leaves even triangles of 25 mm
+    where garments touch; quadric errors left edges of 150 mm on the thighs, too coarse for the nearest vertex. Hands,
+    feet and head are blown up meanwhile, so that they keep their fingers. Each vertex is then taken to the nearest
+    point of the full surface, whose barycentric coordinates carry it over to the other shapes.
     """
     zoom = np.array([ZOOM.get(name.split(".")[0], 1.0) for name in names])
     zoomed = vertices + np.einsum("vj,vja->va", weights * (zoom - 1), vertices[:, None] - joints)

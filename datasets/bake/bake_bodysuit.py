@@ -1,6 +1,7 @@
 """Bake the bodysuit into datasets/garments/bodysuit-{smoke,laptop,paper}.npz.
 
-Only needed to remake the assets: `pip install -e .[bake]`, bake the bodies, then `python datasets/bake/bake_bodysuit.py`.
+Only needed to remake the assets: `pip install -e .[bake]`, bake the bodies, then
+`python datasets/bake/bake_bodysuit.py`.
 """
 
 import gpytoolbox

@@ -44,8 +44,8 @@ SIZES = {"smoke": Grid(columns=1, rows=11), "laptop": Grid(columns=2, rows=21), 
 def pleated(grid: Grid) -> dict[str, np.ndarray]:
     """The arrays of the skirt's file.
 
-    In each row the folds are as deep as the cloth's width leaves them: deep at the narrow waist, wide at the hem. So the
-    cloth is a rectangle and its edges are even, and no edge at the waist is short enough to set the simulator's step.
+    In each row the folds are as deep as the cloth's width leaves them: deep at the narrow waist, wide at the hem. So
+    the cloth is a rectangle and its edges are even, and no edge at the waist is so short as to set the time step.
     """
     columns = 2 * PLEATS * grid.columns
     heights = np.linspace(WAIST, HEM, grid.rows)

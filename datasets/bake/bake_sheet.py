@@ -16,7 +16,7 @@ ROWS = {"smoke": 14, "laptop": 30, "paper": 71}  # and as many columns
 
 
 def sheet(rows: int) -> dict[str, np.ndarray]:
-    """A flat square grid whose diagonals alternate like a chequerboard, so that no direction is stiffer than its mirror."""
+    """A flat square grid whose diagonals alternate like a chequerboard, so that no direction is the stiffer one."""
     across, down = np.meshgrid(np.linspace(0, 1, rows), np.linspace(0, 1, rows))
     uv = np.column_stack([across.ravel(), 1 - down.ravel()])
     rest = np.column_stack([SIDE * (uv[:, 0] - 0.5), np.full(len(uv), -RADIUS - GAP), HEIGHT - SIDE * (1 - uv[:, 1])])

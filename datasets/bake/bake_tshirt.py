@@ -43,7 +43,7 @@ def mesh_tshirt(fine: tuple, skin: Skin, edge: float) -> tuple[np.ndarray, np.nd
 
 
 def best_mesh(fine: tuple, skin: Skin, wanted: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Of a few edge lengths that give about `wanted` vertices, the mesh without thin triangles: remeshing is erratic."""
+    """Among a few edge lengths for about `wanted` vertices, the mesh without thin triangles; remeshing is erratic."""
     edge, best = 1 / np.sqrt(wanted), (0.0, None)
     for attempt in range(9):
         mesh = mesh_tshirt(fine, skin, edge * (1 + 0.002 * attempt))
@@ -68,7 +68,7 @@ def with_charts(points: np.ndarray, faces: np.ndarray, panel_of: np.ndarray) -> 
         upright = np.column_stack([points[mine, 2], -sign * points[mine, 0]])
         flat.append(charts.turn(charts.flatten(points[mine], local.reshape(-1, 3)), upright))
         used.append(mine)
-    for mine, chart in zip(used, charts.side_by_side(flat)):
+    for mine, chart in zip(used, charts.side_by_side(flat), strict=True):
         uv[mine] = chart
     return {"rest": points, "faces": faces, "uv": uv, "seams": seams, "pins": np.zeros(0, int)}
 

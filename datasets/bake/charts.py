@@ -78,5 +78,5 @@ def side_by_side(charts: list[np.ndarray]) -> list[np.ndarray]:
     starts = MARGIN + np.concatenate([[0], np.cumsum(sizes[:-1, 0] * scale[0] + MARGIN)])
     return [
         (chart - (chart.max(0) + chart.min(0)) / 2) * scale + [start + size[0] * scale[0] / 2, 0.5]
-        for chart, start, size in zip(charts, starts, sizes)
+        for chart, start, size in zip(charts, starts, sizes, strict=True)
     ]

@@ -105,7 +105,7 @@ def loosen(
 
 
 def frontness(points: np.ndarray, joints: dict[str, np.ndarray]) -> np.ndarray:
-    """Positive before the side seams, the shoulder seams and the lines along sleeves and legs, negative behind. Shape (V,)."""
+    """Positive before the side seams, the shoulder seams and the lines along sleeves and legs; shape (V,)."""
     shoulder, elbow, wrist = joints["upper_arm.L"], joints["fore_arm.L"], joints["hand.L"]
     hip, knee, ankle = joints["thigh.L"], joints["calf.L"], joints["foot.L"]
     along_arm = np.interp(np.abs(points[:, 0]), *np.array([shoulder, elbow, wrist])[:, :2].T)

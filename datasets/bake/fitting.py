@@ -37,7 +37,7 @@ class Cloth:
         edge = 1 / np.sqrt(wanted)
         for _ in range(5):
             edge *= np.sqrt((size(self.front, edge) + size(self.back, edge)) / wanted)
-        for attempt in range(ATTEMPTS):
+        for _ in range(ATTEMPTS):
             garment = sewn(mesh(self.front, edge), mesh(self.back, edge), skin)
             even = thinnest(garment["rest"], garment["faces"]) / edge
             print(f"edge {edge * 1e3:.1f} mm, thinnest triangle {even:.2f} of that")
@@ -77,7 +77,7 @@ def relax(points: np.ndarray, faces: np.ndarray, panels: np.ndarray, rounds: int
 
 
 def joined_points(front: Panel, back: Panel) -> np.ndarray:
-    """The number of the point, among those of front and back, that each is sewn to: itself, or a rim's point in front."""
+    """The number of the point, among those of front and back, that each is sewn to: itself, or one of front's rim."""
     place = np.arange(len(front.points) + len(back.points))
     apart, twin = cKDTree(front.points[: front.rim]).query(back.points[: back.rim])
     joined = np.flatnonzero(apart < 1e-6)

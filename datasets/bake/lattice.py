@@ -4,6 +4,7 @@ Even triangles are what the simulator wants: its time step follows the smallest 
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from charts import flatten
@@ -34,7 +35,7 @@ class FlatPanel:
 
 @dataclass(frozen=True)
 class Panel:
-    """A meshed pattern: points [m], shape (V, 3), the same laid flat [m], shape (V, 2), and faces; its rim comes first."""
+    """A meshed pattern: points [m], shape (V, 3), the same laid flat [m], shape (V, 2), and faces; rim first."""
 
     points: np.ndarray
     flat: np.ndarray
@@ -88,13 +89,11 @@ def starting_points(cloth: FlatPanel, edge: float) -> tuple[np.ndarray, np.ndarr
 
 
 def even_rim(border: np.ndarray, corners: np.ndarray, edge: float) -> tuple[np.ndarray, np.ndarray]:
-    """Points at even distances along a closed polyline that starts at its first corner, and their angles on a circle."""
+    """Points at even distances along a closed polyline that starts at a corner, and their angles on a circle."""
     closed = np.concatenate([border, border[:1]])
     length = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
     stops = np.append(length[corners], length[-1])
-    at = np.concatenate(
-        [np.linspace(a, b, max(2, round((b - a) / edge)), endpoint=False) for a, b in zip(stops[:-1], stops[1:])]
-    )
+    at = np.concatenate([np.linspace(a, b, max(2, round((b - a) / edge)), endpoint=False) for a, b in pairwise(stops)])
     rim = np.column_stack([np.interp(at, length, column) for column in closed.T])
     return rim, 2 * np.pi * at / length[-1]
 
@@ -115,8 +114,10 @@ def evened(outline: np.ndarray, inner: np.ndarray) -> np.ndarray:
 
 
 def triangles(plane: np.ndarray, rim: int) -> np.ndarray:
-    """Delaunay's triangles of points, shape (V, 2), within the outline that the first `rim` of them make; counterclockwise,
-    shape (F, 3)."""
+    """Delaunay's triangles, shape (F, 3), counterclockwise, of points, shape (V, 2).
+
+    Only those within the outline that the first `rim` points make.
+    """
     faces = Delaunay(plane).simplices
     across = (faces < rim).all(axis=1)  # only these can lie outside
     inside = np.ones(len(faces), bool)

@@ -56,7 +56,7 @@ def panel(points: np.ndarray, faces: np.ndarray, level: np.ndarray, edge: float)
 
 
 def split_seam(points: np.ndarray, faces: np.ndarray, panels: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Give each panel its own copy of the seam's points. Returns points, faces and the pairs of copies, shape (S, 2)."""
+    """Give each panel its own copy of the seam's points. Returns points, faces and pairs of copies, shape (S, 2)."""
     front, back = np.unique(faces[panels == 0]), np.unique(faces[panels == 1])
     shared = np.intersect1d(front, back)
     copy = np.arange(len(points))

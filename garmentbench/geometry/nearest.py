@@ -1,7 +1,7 @@
 """The nearest body vertex of each garment vertex."""
 
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 
 def nearest_vertices(points: np.ndarray, vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -14,7 +14,8 @@ def nearest_vertices(points: np.ndarray, vertices: np.ndarray) -> tuple[np.ndarr
     Returns:
         Distances [m], shape (P,), and indices into `vertices`, shape (P,).
     """
-    return cKDTree(vertices).query(points)
+    distances, indices = KDTree(vertices).query(points)
+    return np.asarray(distances), np.asarray(indices)
 
 
 def plane_distances(points: np.ndarray, vertices: np.ndarray, normals: np.ndarray) -> np.ndarray:

@@ -40,7 +40,7 @@ def select_seeds(template: Template, count: int) -> SeedPoints:
     On an object that is everything; on a human or a garment, what lies within `REACH` of the rest garment. Geodesic
     distance is measured along mesh edges. Deterministic. Source: section 4.1 of Zhang et al. 2022.
     """
-    body = template.body
+    body = template.required_body
     allowed = np.arange(len(body.rest))
     if body.kind != OBJECT:
         distance, _ = nearest_vertices(body.rest, template.garment.rest)

@@ -7,7 +7,7 @@ _ON = wp.constant(1.0e-4)  # a barycentric coordinate below this is 0
 
 
 @wp.func
-def at_border(mesh: wp.uint64, border: wp.array(dtype=int), q: wp.MeshQueryPoint) -> bool:
+def at_border(mesh: wp.uint64, border: wp.array[int], q: wp.MeshQueryPoint) -> bool:
     """Is the nearest point where the surface ends? `border`: 1 for a vertex there (`geometry.mesh.border_vertices`)."""
     w = 1.0 - q.u - q.v
     on = wp.min(wp.min(q.u, q.v), w) < _ON
@@ -18,7 +18,7 @@ def at_border(mesh: wp.uint64, border: wp.array(dtype=int), q: wp.MeshQueryPoint
 
 
 @wp.func
-def side(mesh: wp.uint64, border: wp.array(dtype=int), q: wp.MeshQueryPoint, offset: wp.vec3) -> float:
+def side(mesh: wp.uint64, border: wp.array[int], q: wp.MeshQueryPoint, offset: wp.vec3) -> float:
     """1 outside, -1 inside, of a point `offset` from its nearest. Beyond the border of an open surface is no inside."""
     along = wp.abs(wp.dot(offset, wp.mesh_eval_face_normal(mesh, q.face)))
     beside = at_border(mesh, border, q) and along < BESIDE * wp.length(offset)

@@ -31,7 +31,7 @@ class SurfaceSeeds:
 def surface_seeds(
     rest: np.ndarray, faces: np.ndarray, corners: np.ndarray, weights: np.ndarray, labels: np.ndarray | None = None
 ) -> SurfaceSeeds:
-    """Seed points at given places, see `SurfaceSeeds`, on a canonical body [m], shape (B, 3), of `faces`, shape (F, 3)."""
+    """Seed points at given places, see `SurfaceSeeds`, on a canonical body [m], shape (B, 3), with faces (F, 3)."""
     near = faces[np.isin(faces, corners).any(axis=1)]
     return SurfaceSeeds(
         corners, weights, labels, _positions(rest, corners, weights), _frames(rest, near, corners, weights), near
@@ -46,7 +46,7 @@ def surface_frames(body: np.ndarray, seeds: SurfaceSeeds) -> tuple[np.ndarray, n
     frames = _frames(body, seeds.faces, seeds.corners, seeds.weights)
     rotations = frames @ np.swapaxes(seeds.frames, -1, -2)
     positions = _positions(body, seeds.corners, seeds.weights)
-    return tuple(x.astype(body.dtype) for x in (positions, rotations, frames[..., 2]))
+    return positions.astype(body.dtype), rotations.astype(body.dtype), frames[..., 2].astype(body.dtype)
 
 
 def _positions(body: np.ndarray, corners: np.ndarray, weights: np.ndarray) -> np.ndarray:

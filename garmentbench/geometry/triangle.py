@@ -7,14 +7,9 @@ import warp as wp
 def nearest_weights(p: wp.vec3, a: wp.vec3, b: wp.vec3, c: wp.vec3) -> wp.vec3:
     """Barycentric weights of the point of a triangle that is nearest to p (Ericson 2004, section 5.1.5)."""
     ab, ac, ap, bp, cp = b - a, c - a, p - a, p - b, p - c
-    d1, d2, d3, d4, d5, d6 = (
-        wp.dot(ab, ap),
-        wp.dot(ac, ap),
-        wp.dot(ab, bp),
-        wp.dot(ac, bp),
-        wp.dot(ab, cp),
-        wp.dot(ac, cp),
-    )
+    d1, d2 = wp.dot(ab, ap), wp.dot(ac, ap)
+    d3, d4 = wp.dot(ab, bp), wp.dot(ac, bp)
+    d5, d6 = wp.dot(ab, cp), wp.dot(ac, cp)
     va, vb, vc = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
     out = wp.vec3(va, vb, vc) / wp.max(va + vb + vc, 1.0e-30)
     if d1 <= 0.0 and d2 <= 0.0:
@@ -35,10 +30,8 @@ def nearest_weights(p: wp.vec3, a: wp.vec3, b: wp.vec3, c: wp.vec3) -> wp.vec3:
 @wp.func
 def distance_to_face(mesh: wp.uint64, face: int, p: wp.vec3) -> float:
     """Distance of a point to one face of a mesh."""
-    a, b, c = (
-        wp.mesh_get_point(mesh, 3 * face),
-        wp.mesh_get_point(mesh, 3 * face + 1),
-        wp.mesh_get_point(mesh, 3 * face + 2),
-    )
+    a = wp.mesh_get_point(mesh, 3 * face)
+    b = wp.mesh_get_point(mesh, 3 * face + 1)
+    c = wp.mesh_get_point(mesh, 3 * face + 2)
     w = nearest_weights(p, a, b, c)
     return wp.length(p - w[0] * a - w[1] * b - w[2] * c)

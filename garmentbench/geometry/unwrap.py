@@ -18,7 +18,7 @@ class Unwrapped:
         source: The vertex of the mesh as it was that each vertex stands for, shape (V2,), int64; 0 .. V-1 at first.
         faces: Triangles in the order they were, shape (F, 3), int32.
         uv: UV coordinates in [0, 1], shape (V2, 2), float32; (0, 0) for a vertex without a face.
-        seams: Pairs of vertices that are the same point, shape (S, 2), int32: each copy and the vertex it was made from.
+        seams: Pairs of vertices that are the same point, shape (S, 2), int32: each copy and its original.
     """
 
     source: np.ndarray
@@ -53,9 +53,8 @@ def unwrap(positions: np.ndarray, faces: np.ndarray) -> Unwrapped:
         raise UserError(
             f"xatlas can't unwrap the mesh ({e}); repair it first: garmentbench check FILE --fix OUT"
         ) from e
-    return in_order(
-        len(positions), source.astype(np.int64), corners, np.clip(uv, 0.0, 1.0)
-    )  # rounding may leave it by a hair
+    uv = np.clip(uv, 0.0, 1.0)  # rounding may leave the square by a hair
+    return in_order(len(positions), source.astype(np.int64), corners, uv)
 
 
 def in_order(count: int, source: np.ndarray, corners: np.ndarray, uv: np.ndarray) -> Unwrapped:

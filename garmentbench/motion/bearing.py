@@ -4,7 +4,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from garmentbench.motion.legs import unit
-from garmentbench.motion.score import Bearing
+from garmentbench.motion.score import FullBearing
 from garmentbench.scenes.bodies import BakedBody
 
 # How far each bone of the trunk has turned from the pelvis' attitude (0) to the chest's (1).
@@ -14,7 +14,7 @@ _SHRUGS_AT = 55.0  # ... this [degrees]
 
 
 def bear_trunk(
-    baked: BakedBody, bearing: Bearing, heading: np.ndarray, dressed: np.ndarray, rotations: np.ndarray
+    baked: BakedBody, bearing: FullBearing, heading: np.ndarray, dressed: np.ndarray, rotations: np.ndarray
 ) -> None:
     """Fill in the trunk's bones and the head. heading [rad], dressed: shape (T,); rotations: (T, J, 3, 3)."""
     pelvis = np.stack([bearing["turn"], bearing["list"], bearing["tilt"]], axis=1)
@@ -30,7 +30,7 @@ def bear_trunk(
     rotations[:, baked.joint_names.index("head")] = attitude(head)
 
 
-def bear_arm(baked: BakedBody, bearing: Bearing, side: str, dressed: np.ndarray, rotations: np.ndarray) -> None:
+def bear_arm(baked: BakedBody, bearing: FullBearing, side: str, dressed: np.ndarray, rotations: np.ndarray) -> None:
     """Fill in an arm's bones; the chest's must be there. dressed: shape (T,); rotations: (T, J, 3, 3)."""
     out = 1.0 if side == "L" else -1.0
     joint = {name: baked.joint_names.index(f"{name}.{side}") for name in ("clavicle", "upper_arm", "fore_arm", "hand")}

@@ -47,8 +47,8 @@ class Clip:
         """The clip at these frames, shape (N,), which need not be whole numbers: rotations by spherical interpolation."""
         known = np.arange(len(self))
         frame = np.clip(frame, 0, len(self) - 1)
-        rotations = np.empty((len(frame),) + self.rotations.shape[1:])
-        for joint in range(rotations.shape[1]):
+        rotations = np.empty((len(frame), *self.rotations.shape[1:]))
+        for joint in range(self.rotations.shape[1]):
             rotations[:, joint] = Slerp(known, Rotation.from_matrix(self.rotations[:, joint]))(frame).as_matrix()
         root = np.stack([np.interp(frame, known, self.root[:, axis]) for axis in range(3)], axis=1)
         return replace(
@@ -71,7 +71,7 @@ def part(path: Path, seconds: float, fps: float, start: float, stop: float | Non
     """
     last_time = seconds if stop is None else stop
     first, last = round(start * fps), round(last_time * fps)
-    if not (0 <= start and first < last <= round(seconds * fps)):
+    if not (start >= 0 and first < last <= round(seconds * fps)):
         raise UserError(
             f"{path}: from {start:g} to {last_time:g} s asked for, it has 0 to {seconds:.2f} s; change start or stop"
         )

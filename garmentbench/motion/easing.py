@@ -1,5 +1,7 @@
 """Smooth steps, from which motions are put together."""
 
+from itertools import pairwise
+
 import numpy as np
 from scipy.ndimage import convolve1d, maximum_filter1d
 
@@ -34,15 +36,17 @@ def cyclic_steps(phase: np.ndarray, steps: tuple[tuple[float, float, float], ...
 def eased(knots: list[tuple[float, float]], t: np.ndarray) -> np.ndarray:
     """A path that rests at each knot (time, value) and goes on to the next in a smooth step; shape of t."""
     total = np.full(np.shape(t), float(knots[0][1]))
-    for (start, low), (stop, high) in zip(knots, knots[1:]):
+    for (start, low), (stop, high) in pairwise(knots):
         if high != low:
             total += (high - low) * smoothstep((t - start) / (stop - start))
     return total
 
 
 def smooth_maximum(values: np.ndarray, width: int) -> np.ndarray:
-    """A smooth path that is nowhere below `values` or 0, and 0 where no value near is above: their maximum over a window
-    of `width`, an odd number, averaged over the same window with weights that sum to 1; shape (T,)."""
+    """A smooth path, shape (T,), that is nowhere below `values` or 0, and 0 where no value near is above.
+
+    The maximum over a window of `width`, an odd number, averaged over the same window with weights that sum to 1.
+    """
     window = np.hanning(width + 2)[1:-1]
     return convolve1d(maximum_filter1d(np.maximum(values, 0.0), width), window / window.sum(), mode="nearest")
 

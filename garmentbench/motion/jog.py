@@ -1,5 +1,7 @@
 """A run: between one foot and the other the body flies freely."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from garmentbench.motion.easing import smoothstep
@@ -16,7 +18,6 @@ _STRIDE = 1.8  # [m] in two steps, of the base body
 _LEG = 0.90215  # its leg [m]
 _STARTING = 5  # steps until it is up to speed
 _OFF, _ON = -0.047, -0.082  # the pelvis against rest when a foot leaves the ground, and when one lands [m]
-_FOOT = dict(strike=6.0, push=52.0, lift=0.20, tuck=62.0)
 
 
 def run_score(baked: BakedBody, seconds: float) -> Score:
@@ -51,9 +52,9 @@ def _plants(
     own = range(0 if side == "L" else 1, len(lands), 2)
     leaves = [lands[k] + contact[k] for k in own]
     plants = [Plant(-ALWAYS, lands[own[0]] - 0.4, *rest[:2], push=25.0)]
-    for k, leave in zip(own, [*leaves[:-1], ALWAYS]):
-        how = _FOOT if k > 1 else _FOOT | {"lift": 0.06, "tuck": 25.0}
-        plants.append(Plant(lands[k], leave, x, rest[1] - places[k], **how))
+    for k, leave in zip(own, [*leaves[:-1], ALWAYS], strict=True):
+        plant = Plant(lands[k], leave, x, rest[1] - places[k], strike=6.0, push=52.0, lift=0.20, tuck=62.0)
+        plants.append(plant if k > 1 else replace(plant, lift=0.06, tuck=25.0))
     return plants
 
 

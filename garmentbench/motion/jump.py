@@ -85,7 +85,7 @@ def _jumps(seconds: float, scale: float) -> list[_Jump]:
 def _plants(baked: BakedBody, side: str, jumps: list[_Jump]) -> list[Plant]:
     rest = baked.joints[baked.joint_names.index(f"foot.{side}")]
     plants = [Plant(-ALWAYS, jumps[0].off, *rest[:2], push=58.0)]
-    for jump, leave in zip(jumps, [j.off for j in jumps[1:]] + [ALWAYS]):
+    for jump, leave in zip(jumps, [*(j.off for j in jumps[1:]), ALWAYS], strict=True):
         c, s = np.cos(np.radians(jump.turn)), np.sin(np.radians(jump.turn))
         x, y = jump.to[0] + 0.8 * c * rest[0], jump.to[1] + 0.8 * s * rest[0] + rest[1]
         plants.append(Plant(jump.on, leave, x, y, jump.turn, strike=-30.0, push=58.0, lift=0.03, tuck=40.0, hop=True))

@@ -34,8 +34,9 @@ def rest_leg(baked: BakedBody, side: str) -> Leg:
     line = unit(ankle - hip)
     forward = unit(knee - hip - np.dot(knee - hip, line) * line)
     hinge = np.cross(forward, line)
-    frames = [_frame(unit(end - start), hinge) for start, end in ((hip, knee), (knee, ankle))]
-    return Leg(*frames, (np.linalg.norm(knee - hip), np.linalg.norm(ankle - knee)), forward)
+    thigh, calf = (_frame(unit(end - start), hinge) for start, end in ((hip, knee), (knee, ankle)))
+    lengths = float(np.linalg.norm(knee - hip)), float(np.linalg.norm(ankle - knee))
+    return Leg(thigh, calf, lengths, forward)
 
 
 def solve_leg(leg: Leg, hip: np.ndarray, ankle: np.ndarray, knee: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

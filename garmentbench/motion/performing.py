@@ -11,7 +11,7 @@ from garmentbench.motion.bearing import bear_arm, bear_trunk
 from garmentbench.motion.easing import smooth_maximum, smoothstep
 from garmentbench.motion.foot import pitch_up
 from garmentbench.motion.legs import rest_leg, solve_leg
-from garmentbench.motion.score import NEUTRAL, Bearing, Score, filled
+from garmentbench.motion.score import NEUTRAL, FullBearing, Score, filled
 from garmentbench.motion.steps import FootPath, foot_path
 from garmentbench.motion.tread import tread
 from garmentbench.motion.walk import Walk
@@ -33,7 +33,7 @@ class _Paths:
 
     t: np.ndarray
     feet: dict[str, FootPath]
-    bearing: Bearing
+    bearing: FullBearing
     heading: np.ndarray
     root: np.ndarray
 
@@ -73,7 +73,7 @@ def _paths(baked: BakedBody, score: Score, end: float) -> _Paths:
     }
     heading = gaussian_filter1d(0.5 * (feet["L"].turn + feet["R"].turn), score.smooth * RATE, mode="nearest")
     root = baked.joints[0] + begun[:, None] * (_over_feet(baked, score, feet, bearing, heading) - baked.joints[0])
-    times, knots = zip(*score.height)
+    times, knots = zip(*score.height, strict=True)
     wanted = baked.joints[0, 2] + BPoly.from_derivatives(times, [list(knot) for knot in knots])(
         np.clip(t, times[0], times[-1])
     )
@@ -88,14 +88,14 @@ def _weight_on_left(score: Score, t: np.ndarray) -> np.ndarray:
     """From -1 (the weight is on the right foot) to 1, shape (T,): it goes onto the foot that has landed last."""
     landings = sorted([(p.land, 1.0) for p in score.left[1:]] + [(p.land, -1.0) for p in score.right[1:]])
     total, last = np.zeros(len(t)), 0.0
-    for (land, side), (following, _) in zip(landings, [*landings[1:], (np.inf, 0.0)]):
+    for (land, side), (following, _) in zip(landings, [*landings[1:], (np.inf, 0.0)], strict=False):
         total += (side - last) * smoothstep((t - land + 0.1) / np.clip(following - land, 0.2, 0.6))
         last = side
     return total
 
 
 def _over_feet(
-    baked: BakedBody, score: Score, feet: dict[str, FootPath], bearing: Bearing, heading: np.ndarray
+    baked: BakedBody, score: Score, feet: dict[str, FootPath], bearing: FullBearing, heading: np.ndarray
 ) -> np.ndarray:
     """The pelvis over the floor: between the feet, nearer to the one that carries; shape (T, 3), z to be filled in."""
     share = {side: path.stands + _IN_AIR for side, path in feet.items()}
@@ -110,7 +110,12 @@ def _over_feet(
 
 
 def _highest(
-    baked: BakedBody, feet: dict[str, FootPath], bearing: Bearing, heading: np.ndarray, root: np.ndarray, t: np.ndarray
+    baked: BakedBody,
+    feet: dict[str, FootPath],
+    bearing: FullBearing,
+    heading: np.ndarray,
+    root: np.ndarray,
+    t: np.ndarray,
 ) -> np.ndarray:
     """The height of the pelvis joint [m] at which a leg is as far stretched as it may be, shape (T,)."""
     rotations = np.tile(np.eye(3), (len(t), len(baked.joint_names), 1, 1))

@@ -1,6 +1,6 @@
 """What a motion on foot is written down as: steps, the pelvis' rise and fall, and the bearing of trunk and arms."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,7 +31,9 @@ NEUTRAL = {
 }
 SIDEWAYS = ("sway", "list", "turn", "bend", "twist", "look")  # change sign in the mirror
 
-Bearing = dict[str, np.ndarray]  # channels by name, each of shape (T,); one that is not there is neutral
+# Channels by name, each of shape (T,), or a number where it does not change; one that is not there is neutral.
+Bearing = Mapping[str, np.ndarray | float]
+FullBearing = dict[str, np.ndarray]  # with every channel, each of shape (T,)
 
 
 @dataclass(frozen=True)
@@ -80,6 +82,6 @@ def mirrored(bearing: Bearing) -> Bearing:
     }
 
 
-def filled(bearing: Bearing, shape: tuple[int, ...]) -> Bearing:
-    """With the channels that are not there, neutral."""
+def filled(bearing: Bearing, shape: tuple[int, ...]) -> FullBearing:
+    """All channels of a bearing, in full."""
     return {name: np.broadcast_to(np.asarray(bearing.get(name, rest), float), shape) for name, rest in NEUTRAL.items()}

@@ -1,6 +1,7 @@
 """Steps: where a foot stands and when, and how it gets from one place to the next."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.interpolate import BPoly
@@ -88,7 +89,7 @@ def foot_path(tread: Tread, side: str, plants: list[Plant], t: np.ndarray, shift
         on = (t >= plant.land) & (t <= plant.leave)
         ankle[on, :2] = _stance(tread, side, plant, plants, t[on])
         stands[on] = _weight(plant, t[on], shift)
-    for before, after in zip(plants, plants[1:]):
+    for before, after in pairwise(plants):
         on = (t > before.leave) & (t < after.land)
         u = (t[on] - before.leave) / (after.land - before.leave)
         ankle[on, :2] = _swing(tread, side, before, after, plants, t[on]) + _soft_bump(u)[:, None] * _kick(after)

@@ -21,8 +21,8 @@ HEIGHT = 1.2  # [m], of the axis at rest
 WARM_UP = 60  # frames
 AROUND, ALONG = 12, 37  # vertices of the cylinder
 
-# Sums of sines, (amplitude, frequency [Hz], phase [rad]) each. Sweeps x, y, z in metres; yaw, tilt in degrees about z, y;
-# roll in turns about the stick's axis, 0 unwound and -1 one turn wound up.
+# Sums of sines, (amplitude, frequency [Hz], phase [rad]) each. Sweeps x, y, z in metres; yaw, tilt in degrees about z,
+# y; roll in turns about the stick's axis, 0 unwound and -1 one turn wound up.
 _MOTIONS = {
     "stick-a": {
         "x": [(0.10, 0.23, 0.0), (0.04, 0.61, 1.3)],
@@ -95,7 +95,7 @@ def _pose(scene: Scene, frames: int) -> tuple[np.ndarray, np.ndarray]:
     seconds = played_frames(frame, scene.motion.freeze_after, scene.fps) * scene.motion.speed / scene.fps
     ease = smoothstep(1 + frame / WARM_UP)
     sway = {
-        name: sum(a * np.sin(2 * np.pi * f * seconds + phase) for a, f, phase in waves)
+        name: np.sum([a * np.sin(2 * np.pi * f * seconds + phase) for a, f, phase in waves], axis=0)
         for name, waves in _MOTIONS[scene.motion.name].items()
     }
     sway["roll"] = 360 * (sway["roll"] + _WOUND)

@@ -13,10 +13,10 @@ _BREATH = 4.0  # seconds
 def still_score(baked: BakedBody, _: float) -> Score:
     """Standing on the feet's places of the rest pose."""
     feet = [baked.joints[baked.joint_names.index(f"foot.{side}")] for side in "LR"]
-    plants = [[Plant(-ALWAYS, ALWAYS, foot[0], foot[1])] for foot in feet]
+    left, right = ([Plant(-ALWAYS, ALWAYS, foot[0], foot[1])] for foot in feet)
     low = (-0.012, 0.0, 0.0)
     return Score(
-        *plants, height=[(0.0, (0.0, 0.0, 0.0)), (0.4, low), (1.0, low)], bearing=_bearing, hips=Hips(0.0, 0.0)
+        left, right, height=[(0.0, (0.0, 0.0, 0.0)), (0.4, low), (1.0, low)], bearing=_bearing, hips=Hips(0.0, 0.0)
     )
 
 
@@ -34,5 +34,6 @@ def _bearing(t: np.ndarray) -> Bearing:
     }
     return arms | {
         "sway": 0.008 * sway, "surge": 0.006 * drift(t / 3, 4), "list": -0.6 * sway,
-        "lean": 2.5 - 0.8 * breath + 0.5 * drift(t / 3, 4), "twist": 0.8 * drift(t / 4, 5), "look": 2.0 * drift(t / 4, 0),
+        "lean": 2.5 - 0.8 * breath + 0.5 * drift(t / 3, 4), "twist": 0.8 * drift(t / 4, 5),
+        "look": 2.0 * drift(t / 4, 0),
     }  # fmt: skip

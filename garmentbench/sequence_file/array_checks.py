@@ -29,7 +29,7 @@ def finite(name: str, array: np.ndarray) -> list[Problem]:
         return []
     bad = np.argwhere(~np.isfinite(array))
     axes = ("frame", "vertex", "coordinate")[-array.ndim :] if array.ndim > 1 else ("index",)
-    place = ", ".join(f"{axis} {i}" for axis, i in zip(axes[: max(array.ndim - 1, 1)], bad[0]))
+    place = ", ".join(f"{axis} {i}" for axis, i in zip(axes[: max(array.ndim - 1, 1)], bad[0], strict=False))
     what = f"NaN or infinite at {place} ({len(bad)} numbers in all)"
     return [Problem(name, what, "simulate with smaller steps, or cut the recording before that frame")]
 

@@ -32,7 +32,7 @@ def shape_problems(contents: Contents) -> list[Problem]:
             wanted = f"{dtype} of shape ({', '.join(map(str, shape))})"
             problems.append(Problem(name, f"{array.dtype} of shape {array.shape}, wanted {wanted}", REMAKE))
         else:
-            for letter, size in zip(shape, array.shape):
+            for letter, size in zip(shape, array.shape, strict=True):
                 expected, there = counts.setdefault(letter, (size, name))
                 if size != expected:
                     what = f"{size} {COUNTED[letter]}, but {there} has {expected}"
@@ -41,7 +41,7 @@ def shape_problems(contents: Contents) -> list[Problem]:
 
 
 def _fits(shape: tuple[int, ...], wanted: tuple[str | int, ...]) -> bool:
-    return len(shape) == len(wanted) and all(isinstance(w, str) or w == s for w, s in zip(wanted, shape))
+    return len(shape) == len(wanted) and all(isinstance(w, str) or w == s for w, s in zip(wanted, shape, strict=True))
 
 
 def value_problems(contents: Contents, unusable: frozenset[str] = frozenset()) -> list[Problem]:

@@ -30,8 +30,8 @@ def picture(path: Path, png: Path) -> None:
     sequence = sequence_file.load(path, frames=1)
     template = sequence.template
     meshes = [RenderMesh(sequence.garment[0], template.garment.faces, CLOTH, cloth=True)]
-    if template.body is not None:
-        meshes.append(RenderMesh(sequence.body[0], template.body.faces))
+    if sequence.body is not None:
+        meshes.append(RenderMesh(sequence.body[0], template.required_body.faces))
     image = np.concatenate([render(meshes, view, size=(450, 600)) for view in ("three-quarter", "back")], axis=1)
     with written_whole(png) as partial:
         imsave(partial, image, format="png")

@@ -60,6 +60,7 @@ class Contents:
 
     @property
     def has_body(self) -> bool:
+        """Is there a body in the file?"""
         return self.names.body is not None
 
     def hash(self) -> str:
@@ -92,6 +93,6 @@ def sequence_of(contents: Contents) -> Sequence:
     a, names = contents.arrays, contents.names
     garment = Garment(names.garment, *(a[f"garment/{k}"] for k in ("rest", "faces", "uv", "seams", "pins")))
     body = None
-    if contents.has_body:
+    if names.body is not None and names.kind is not None:
         body = Body(names.body, a["body/rest"], a["body/faces"], a.get("body/labels"), names.part_names, names.kind)
     return Sequence(Template(garment, body, contents.fps), a["garment/frames"], a.get("body/frames"), contents.info)

@@ -3,6 +3,7 @@
 import json
 import warnings
 from pathlib import Path
+from typing import TypeVar
 
 import h5py
 import numpy as np
@@ -24,6 +25,8 @@ from garmentbench.sequence_file.layout import (
 )
 from garmentbench.storage import hdf5
 
+T = TypeVar("T")
+
 
 def save(sequence: Sequence, path: Path) -> None:
     """Write a sequence, whole or not at all.
@@ -38,18 +41,19 @@ def save(sequence: Sequence, path: Path) -> None:
             hdf5.put(file, name, array)
         info = json.dumps(contents.info)
         hdf5.put_attributes(file, units=UNITS, content_hash=contents.hash(), fps=contents.fps, info=info)
-        hdf5.put_attributes(file["garment"], name=contents.names.garment)
-        if contents.has_body:
-            names = contents.names
+        names = contents.names
+        hdf5.put_attributes(file.require_group("garment"), name=names.garment)
+        if names.body is not None and names.kind is not None:
             parts = json.dumps(names.part_names)
-            hdf5.put_attributes(file["body"], name=names.body, kind=names.kind, part_names=parts)
+            hdf5.put_attributes(file.require_group("body"), name=names.body, kind=names.kind, part_names=parts)
 
 
 def load(path: Path, frames: int | None = None) -> Sequence:
     """Read a sequence, or only its first so many `frames` (the content hash is compared only when all is read).
 
     Raises `UserError`, one line, for a file that is missing, foreign, damaged, of another schema, or that holds what
-    can't be used. Warns of an imported garment that begins inside the body. `garmentbench.sequence_file.examine` tells all that is wrong.
+    can't be used. Warns of an imported garment that begins inside the body. `garmentbench.sequence_file.examine` tells
+    all that is wrong.
     """
     contents, problems = read(path, frames)
     if not problems:
@@ -114,13 +118,14 @@ class _Attributes:
         info, noted = self._json("/", "info", dict), self._value("/", "content_hash", str)
         return Contents(arrays, names, 0.0 if fps is None else fps, info, noted)
 
-    def _value(self, place: str, name: str, kind: type) -> str | float | None:
-        value = hdf5.attribute(self.file[place], name, kind) if place in self.file else None
+    def _value(self, place: str, name: str, kind: type[T]) -> T | None:
+        holder = self.file.get(place)
+        value = hdf5.attribute(holder, name, kind) if isinstance(holder, h5py.Group) else None
         if value is None:
             self._complain(place, name, f"missing, or no {kind.__name__}")
         return value
 
-    def _json(self, place: str, name: str, kind: type) -> dict | list:
+    def _json(self, place: str, name: str, kind: type[T]) -> T:
         text = self._value(place, name, str)
         try:
             value = kind() if text is None else json.loads(text)

@@ -21,7 +21,7 @@ class Fabric:
         edges: Particle pairs, shape (E, 2).
         length: Rest lengths [m], shape (E,).
         stiffness: Spring constants after the cap [N/m], shape (E,).
-        stencils: Particles of each bending stencil: the ends of an inner edge, then the corners beside it, shape (S, 4).
+        stencils: Particles of each bending stencil, shape (S, 4): an inner edge's ends, then the corners beside it.
         curvature: Their coefficients; the sum of coefficient times position is 0 where the cloth is flat, shape (S, 4).
         bend_stiffness: Stiffness after the cap [N/m], shape (S,).
         pinned: Whether a particle is held by the collider, shape (P,), bool.
@@ -104,18 +104,14 @@ def _cap(stiffness: np.ndarray, inertia: np.ndarray, multiple: float) -> np.ndar
 
 
 def _curvature(rest: np.ndarray, stencils: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Coefficients (S, 4) of isometric bending from cotangents of the rest shape, and areas (S,) [m^2] that divide the
-    flexural rigidity (Bergou et al. 2006).
+    """Isometric bending from cotangents of the rest shape (Bergou et al. 2006).
 
-    Their factor 3 is left out: with it, equilateral triangles bent to a cylinder are three times too stiff.
+    Coefficients, shape (S, 4), and areas [m^2], shape (S,), that divide the flexural rigidity. Bergou's factor 3 is
+    left out: with it, equilateral triangles bent to a cylinder are three times too stiff.
     """
     x0, x1, x2, x3 = rest[stencils].transpose(1, 0, 2)
-    at0, other0, at1, other1 = (
-        _cot(x1 - x0, x2 - x0),
-        _cot(x1 - x0, x3 - x0),
-        _cot(x0 - x1, x2 - x1),
-        _cot(x0 - x1, x3 - x1),
-    )
+    at0, other0 = _cot(x1 - x0, x2 - x0), _cot(x1 - x0, x3 - x0)
+    at1, other1 = _cot(x0 - x1, x2 - x1), _cot(x0 - x1, x3 - x1)
     coefficients = np.column_stack([at1 + other1, at0 + other0, -at0 - at1, -other0 - other1])
     return coefficients, _areas(rest, stencils[:, [0, 1, 2]]) + _areas(rest, stencils[:, [0, 1, 3]])
 

@@ -68,8 +68,8 @@ class Solver:
     def advance(self) -> None:
         """One frame. The collider must hold that frame already."""
         if not wp.get_device(self.device).is_cuda:
-            return self._frame()
-        if self._graph is None:
+            self._frame()
+        elif self._graph is None:
             self._frame()  # loads the modules, which can't be done while recording
             with wp.ScopedCapture(self.device) as capture:
                 self._frame()
@@ -91,10 +91,11 @@ class Solver:
         """All substeps up to the next query."""
         contacts = [self.contact, self.own_contact]
         if self.serial:
-            return self._launch(advance_serial, 1, [self.cloth, *contacts, self.physics, self.steps])
-        for s in range(self.steps):
-            self._launch(force_pass, max(len(self.cloth.ends), len(self.cloth.x)), [self.cloth, self.physics])
-            self._launch(particle_pass, len(self.cloth.x), [self.cloth, *contacts, self.physics, s])
+            self._launch(advance_serial, 1, [self.cloth, *contacts, self.physics, self.steps])
+        else:
+            for s in range(self.steps):
+                self._launch(force_pass, max(len(self.cloth.ends), len(self.cloth.x)), [self.cloth, self.physics])
+                self._launch(particle_pass, len(self.cloth.x), [self.cloth, *contacts, self.physics, s])
 
     def _launch(self, kernel: wp.Kernel, dim: int, inputs: list) -> None:
         wp.launch(kernel, dim=dim, inputs=inputs, device=self.device)
@@ -152,8 +153,5 @@ def _physics(material: Material, settings: Settings, dt: float) -> Physics:
 
 def device_array(values: np.ndarray, kind: type, device: str) -> wp.array:
     """A Warp array of scalars or small vectors."""
-    if kind in (float, wp.vec3, wp.vec4):
-        values = np.asarray(values, np.float32)
-    else:
-        values = np.asarray(values, np.int32)
-    return wp.array(np.ascontiguousarray(values), dtype=kind, device=device)
+    number = np.float32 if kind in (float, wp.vec3, wp.vec4) else np.int32
+    return wp.array(np.ascontiguousarray(values, number), dtype=kind, device=device)

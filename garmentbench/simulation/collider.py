@@ -56,8 +56,10 @@ class Collider:
             mesh.refit()
 
     def touch(self, contact: Contact, interval: float) -> None:
-        """Find where each particle touches, for the next `interval` seconds. The outermost surface is the first, since it
-        mostly is the nearest and then bounds the search of the others."""
+        """Find where each particle touches, for the next `interval` seconds.
+
+        The outermost surface comes first: it mostly is the nearest, and then bounds the search of the others.
+        """
         particles = len(self.cloth.x)
         wp.launch(hold, particles, [self.surface, self.faces, self.cloth, contact, interval], device=self.device)
         for mesh, near in zip(reversed(self.meshes), reversed(self.near), strict=True):

@@ -1,4 +1,7 @@
-"""The body, and the garment beneath, as moving surfaces, and where each particle touches it: Warp kernels, the same on CPU and CUDA."""
+"""The body, and the garment beneath, as moving surfaces, and where each particle touches them.
+
+Warp kernels, the same on CPU and CUDA.
+"""
 
 import warp as wp
 
@@ -7,9 +10,8 @@ from garmentbench.geometry.triangle import distance_to_face
 from garmentbench.simulation.kernels import Cloth, Contact
 
 FAR = wp.constant(0.1)  # [m] beyond this a particle has nothing to do with the body
-SLACK = wp.constant(
-    1.0e-4
-)  # [m] the face that was the nearest bounds the search; others as near decide the sign with it
+# [m] The face that was the nearest bounds the search; others as near decide the sign with it.
+SLACK = wp.constant(1.0e-4)
 STILL = wp.constant(0.06)  # [m] from the skin: the air here moves with the body as a whole
 
 
@@ -17,16 +19,16 @@ STILL = wp.constant(0.06)  # [m] from the skin: the air here moves with the body
 class Surface:
     """The collider between two frames: cubic Hermite, tangents m in metres a frame."""
 
-    p0: wp.array(dtype=wp.vec3)
-    p1: wp.array(dtype=wp.vec3)
-    m0: wp.array(dtype=wp.vec3)
-    m1: wp.array(dtype=wp.vec3)
-    points: wp.array(dtype=wp.vec3)
-    velocities: wp.array(dtype=wp.vec3)  # mean velocity until the next query [m/s]
-    wind: wp.array(dtype=wp.vec3)  # shape (1,): velocity of the air away from the skin [m/s]
-    border: wp.array(dtype=int)  # of a point: 1 where its surface ends
-    hold_face: wp.array(dtype=int)  # of a pinned particle; -1: not pinned
-    hold_at: wp.array(dtype=wp.vec3)  # its two barycentric coordinates (any sign) and its height over the face [m]
+    p0: wp.array[wp.vec3]
+    p1: wp.array[wp.vec3]
+    m0: wp.array[wp.vec3]
+    m1: wp.array[wp.vec3]
+    points: wp.array[wp.vec3]
+    velocities: wp.array[wp.vec3]  # mean velocity until the next query [m/s]
+    wind: wp.array[wp.vec3]  # shape (1,): velocity of the air away from the skin [m/s]
+    border: wp.array[int]  # of a point: 1 where its surface ends
+    hold_face: wp.array[int]  # of a pinned particle; -1: not pinned
+    hold_at: wp.array[wp.vec3]  # its two barycentric coordinates (any sign) and its height over the face [m]
 
 
 @wp.func
@@ -53,7 +55,7 @@ def held_point(a: wp.vec3, b: wp.vec3, c: wp.vec3, at: wp.vec3) -> wp.vec3:
 
 
 @wp.kernel(enable_backward=False)
-def attach(mesh: wp.uint64, s: Surface, faces: wp.array(dtype=int), c: Cloth):
+def attach(mesh: wp.uint64, s: Surface, faces: wp.array[int], c: Cloth):
     """Fasten each pinned particle to the nearest face, wherever it is: dim = P."""
     i = wp.tid()
     s.hold_face[i] = -1
@@ -71,7 +73,7 @@ def attach(mesh: wp.uint64, s: Surface, faces: wp.array(dtype=int), c: Cloth):
 
 
 @wp.kernel(enable_backward=False)
-def hold(s: Surface, faces: wp.array(dtype=int), c: Cloth, h: Contact, interval: float):
+def hold(s: Surface, faces: wp.array[int], c: Cloth, h: Contact, interval: float):
     """Where pinned particles are held; the others touch nothing yet: dim = P."""
     i = wp.tid()
     face = s.hold_face[i]
@@ -98,9 +100,12 @@ def hold(s: Surface, faces: wp.array(dtype=int), c: Cloth, h: Contact, interval:
 
 
 @wp.kernel(enable_backward=False)
-def find_contacts(mesh: wp.uint64, s: Surface, near: wp.array(dtype=int), c: Cloth, h: Contact):
-    """Tangent plane, its motion and the air round each particle; of several surfaces, that of the one which it is
-    deepest in or else nearest to. near: the nearest face at the last query, or -1. dim = P."""
+def find_contacts(mesh: wp.uint64, s: Surface, near: wp.array[int], c: Cloth, h: Contact):
+    """Tangent plane, its motion and the air round each particle: dim = P.
+
+    Of several surfaces, the one that it is deepest in or else nearest to. near: the nearest face
+    at the last query, or -1.
+    """
     i = wp.tid()
     if c.pinned[i] == 0:
         x = c.x[i]

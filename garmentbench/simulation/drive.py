@@ -16,14 +16,14 @@ from garmentbench.simulation.stability import substeps
 from garmentbench.simulation.xpbd import XpbdSolver
 
 OK, UNSTABLE = "ok", "unstable"
-# 99th percentile of edge strain; an unstable run shows so, it does not become NaN. A bodysuit over raised arms reaches 0.2.
+# 99th percentile of edge strain; an unstable run shows so, it does not become NaN. A bodysuit over raised arms: 0.2.
 STRAIN_LIMIT = 0.30
 GRID = 0.25  # [m] the local origin follows the body in such steps, which float32 subtracts without loss
 
 
 @dataclass
-class Drive:
-    """What came of it. All over T frames, warm-up included.
+class Simulated:
+    """The result of a simulation, over all T frames including the warm-up.
 
     Attributes:
         fabric: What was simulated.
@@ -45,6 +45,7 @@ class Drive:
 
     @property
     def status(self) -> str:
+        """`OK` or `UNSTABLE`."""
         return OK if self.first_bad_frame is None else UNSTABLE
 
     def note(self, t: int, solver: Solver, origin: np.ndarray) -> None:
@@ -70,7 +71,7 @@ def drive(
     budget: int | None = None,
     inner: tuple[Body, np.ndarray] | None = None,
     step: Callable[[], None] = lambda: None,
-) -> Drive:
+) -> Simulated:
     """Simulate a garment on a moving body.
 
     Args:
@@ -86,23 +87,27 @@ def drive(
         step: Called after each frame.
     """
     fabric = assemble(garment, material, settings)
-    obstacle = None if body is None else Obstacle.of(body, frames, inner)
-    origins = _origins(start, frames if obstacle is None else obstacle)
+    if isinstance(frames, int):
+        obstacle, origins = None, np.tile(start.astype(np.float64).mean(axis=0), (frames, 1))
+    else:
+        assert body is not None, "positions without a body's template"
+        obstacle = Obstacle.of(body, frames, inner)
+        origins = _origins(obstacle)
     count = len(origins)
     first = np.zeros_like(fabric.rest)
     first[fabric.particle] = start - origins[0] + _noise(fabric, settings)[fabric.particle]
     touched = None if obstacle is None else (obstacle.surfaces, obstacle.positions[0] - origins[0])
-    kind, n = Solver, budget
     if budget is None:
-        n = substeps(fabric, material, settings, 1 / fps)
+        kind, n = Solver, substeps(fabric, material, settings, 1 / fps)
     else:
-        kind, settings = XpbdSolver, replace(settings, queries=math.gcd(settings.queries, budget))
+        kind, n = XpbdSolver, budget
+        settings = replace(settings, queries=math.gcd(settings.queries, budget))
     solver = kind(fabric, first, touched, material, settings, n, 1 / fps, device, serial)
-    out = Drive(fabric, np.zeros((count, *garment.rest.shape)), np.zeros((count, 2)), np.zeros(count), n)
+    out = Simulated(fabric, np.zeros((count, *garment.rest.shape)), np.zeros((count, 2)), np.zeros(count), n)
     out.positions[0] = first[fabric.particle] + origins[0]
     begin = time.perf_counter()
     for t in range(1, count):
-        if obstacle is not None:
+        if obstacle is not None and solver.collider is not None:
             solver.collider.set_frame(*obstacle.between(t - 1, origins[t - 1], fps))
         solver.advance()
         out.note(t, solver, origins[t - 1])
@@ -115,11 +120,8 @@ def drive(
     return out
 
 
-def _origins(start: np.ndarray, obstacle: Obstacle | int) -> np.ndarray:
-    """A local origin for each frame, shape (T, 3), float64: follows the body's centre on a grid; without one (only a
-    number of frames) it stays."""
-    if isinstance(obstacle, int):
-        return np.tile(start.astype(np.float64).mean(axis=0), (obstacle, 1))
+def _origins(obstacle: Obstacle) -> np.ndarray:
+    """A local origin for each frame, shape (T, 3), float64: follows the body's centre on a grid."""
     centres = np.array([f.mean(axis=0) for f in obstacle.positions[:, : obstacle.skin]])
     return centres[0] + GRID * np.round((centres - centres[0]) / GRID)
 

@@ -12,38 +12,42 @@ import warp as wp
 class Cloth:
     """State and constants of P particles and E edges; sparse rows as (start, column, value) triples of arrays."""
 
-    x: wp.array(dtype=wp.vec3)  # positions [m]
-    v: wp.array(dtype=wp.vec3)  # velocities [m/s]
-    y: wp.array(dtype=wp.vec3)  # x + bend_damping v: what bending acts on [m]
-    inverse_mass: wp.array(dtype=float)  # [1/kg]
-    pinned: wp.array(dtype=int)
-    ends: wp.array(dtype=wp.vec2i)
-    length: wp.array(dtype=float)  # [m]
-    stiffness: wp.array(dtype=float)  # [N/m]
-    force: wp.array(dtype=wp.vec3)  # of each edge on its first end [N]
-    edge_start: wp.array(dtype=int)
-    edge_index: wp.array(dtype=int)
-    edge_sign: wp.array(dtype=float)
-    bend_start: wp.array(dtype=int)
-    bend_column: wp.array(dtype=int)
-    bend_value: wp.array(dtype=float)  # [N/m]
+    x: wp.array[wp.vec3]  # positions [m]
+    v: wp.array[wp.vec3]  # velocities [m/s]
+    y: wp.array[wp.vec3]  # x + bend_damping v: what bending acts on [m]
+    inverse_mass: wp.array[float]  # [1/kg]
+    pinned: wp.array[int]
+    ends: wp.array[wp.vec2i]
+    length: wp.array[float]  # [m]
+    stiffness: wp.array[float]  # [N/m]
+    force: wp.array[wp.vec3]  # of each edge on its first end [N]
+    edge_start: wp.array[int]
+    edge_index: wp.array[int]
+    edge_sign: wp.array[float]
+    bend_start: wp.array[int]
+    bend_column: wp.array[int]
+    bend_value: wp.array[float]  # [N/m]
 
 
 @wp.struct
 class Contact:
-    """A tangent plane of the body (or of the cloth itself) for each particle, held until the next query, moving with the
-    touched point."""
+    """A tangent plane of the body (or of the cloth itself) for each particle.
 
-    point: wp.array(dtype=wp.vec3)  # at the time of the query [m]; of a pinned particle, where it is held
-    normal: wp.array(dtype=wp.vec3)
-    velocity: wp.array(dtype=wp.vec3)  # of the point [m/s]
-    air: wp.array(dtype=wp.vec3)  # velocity of the air round the particle [m/s]
-    active: wp.array(dtype=int)  # 0: nothing within reach
-    distance: wp.array(dtype=float)  # to the surface that it is nearest to or deepest in, negative inside [m]
+    It is held until the next query and moves with the touched point.
+    """
+
+    point: wp.array[wp.vec3]  # at the time of the query [m]; of a pinned particle, where it is held
+    normal: wp.array[wp.vec3]
+    velocity: wp.array[wp.vec3]  # of the point [m/s]
+    air: wp.array[wp.vec3]  # velocity of the air round the particle [m/s]
+    active: wp.array[int]  # 0: nothing within reach
+    distance: wp.array[float]  # to the surface that it is nearest to or deepest in, negative inside [m]
 
 
 @wp.struct
 class Physics:
+    """Constants of one simulation."""
+
     dt: float  # [s]
     gravity: float  # [m/s^2]
     compression: float
@@ -59,14 +63,14 @@ class Physics:
 
 @wp.func
 def edge_force(c: Cloth, p: Physics, e: int) -> wp.vec3:
-    """Force of edge e on its first end: k (l - L) + k t (n . v_rel), times `compression` where it is shorter than at rest."""
+    """Force of edge e on its first end: k (l - L) + k t (n . v_rel), times `compression` where it is shortened."""
     a = c.ends[e][0]
     b = c.ends[e][1]
     d = c.x[b] - c.x[a]
-    l = wp.length(d)
-    n = d / wp.max(l, 1.0e-9)
+    length = wp.length(d)
+    n = d / wp.max(length, 1.0e-9)
     k = c.stiffness[e]
-    stretch = l - c.length[e]
+    stretch = length - c.length[e]
     if stretch < 0.0:
         k = k * p.compression
     return k * (stretch + p.stretch_damping * wp.dot(n, c.v[b] - c.v[a])) * n

@@ -13,7 +13,7 @@ from garmentbench.scenes.inner_garment import as_body, sewn
 from garmentbench.scenes.presets import Preset
 from garmentbench.scenes.scene import Scene, inner_scene
 from garmentbench.sequence import Body, Garment
-from garmentbench.simulation.drive import Drive, drive
+from garmentbench.simulation.drive import Simulated, drive
 from garmentbench.simulation.material import Material, Settings, override
 
 
@@ -94,7 +94,7 @@ class Worn:
     """A layer that has been simulated."""
 
     garment: Garment
-    run: Drive
+    run: Simulated
 
     @property
     def finite(self) -> int:

@@ -24,20 +24,21 @@ OPPOSITE = wp.constant(-0.5)  # normals of the same face before and after, whose
 class Own:
     """F faces of the cloth."""
 
-    faces: wp.array(dtype=wp.vec3i)
-    rest: wp.array(dtype=wp.vec3)  # positions at rest [m]
-    face: wp.array(dtype=int)  # that each particle was near to at the last query; -1: none
-    normal: wp.array(dtype=wp.vec3)  # of its plane then
+    faces: wp.array[wp.vec3i]
+    rest: wp.array[wp.vec3]  # positions at rest [m]
+    face: wp.array[int]  # that each particle was near to at the last query; -1: none
+    normal: wp.array[wp.vec3]  # of its plane then
 
 
 @wp.func
-def blend(values: wp.array(dtype=wp.vec3), face: wp.vec3i, weights: wp.vec3) -> wp.vec3:
+def blend(values: wp.array[wp.vec3], face: wp.vec3i, weights: wp.vec3) -> wp.vec3:
     """What a point of a face has of its corners' values."""
     return weights[0] * values[face[0]] + weights[1] * values[face[1]] + weights[2] * values[face[2]]
 
 
 @wp.func
 def has(face: wp.vec3i, i: int) -> bool:
+    """Is i a corner of the face?"""
     return face[0] == i or face[1] == i or face[2] == i
 
 

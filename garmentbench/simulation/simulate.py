@@ -11,7 +11,7 @@ from garmentbench.progress import track
 from garmentbench.scenes.presets import Preset
 from garmentbench.scenes.scene import Scene
 from garmentbench.sequence import Sequence, Template
-from garmentbench.simulation.drive import OK, Drive
+from garmentbench.simulation.drive import OK, Simulated
 from garmentbench.simulation.material import Settings
 from garmentbench.simulation.outfit import Layer, Outfit
 
@@ -29,8 +29,8 @@ def simulate(scene: Scene, preset: Preset, device: str = "cpu") -> Sequence:
 
     Returns:
         The sequence, its `info["simulation"]` filled: settings, substeps, strain, status ("ok", or "unstable" with its
-        first bad frame); of two layers those of the outer one, and `beneath` the same of the inner. Frames from the first
-        that is not finite on are left out. Where a garment is worn beneath, it is the sequence's body.
+        first bad frame); of two layers those of the outer one, and `beneath` the same of the inner. Frames from the
+        first that is not finite on are left out. Where a garment is worn beneath, it is the sequence's body.
 
     Raises:
         UsageError: An unknown garment, body, motion, material or setting.
@@ -46,7 +46,7 @@ def simulate(scene: Scene, preset: Preset, device: str = "cpu") -> Sequence:
             f"scene {scene.name}: the cloth's positions are not finite from the first frame on; wanted a stable step, "
             f"lower step_margin (it is {margin:g}, at most 1 is safe)"
         )
-    told = [_summary(w.run, start, layer, device) for w, layer in zip(worn, outfit.layers)]
+    told = [_summary(w.run, start, layer, device) for w, layer in zip(worn, outfit.layers, strict=True)]
     info = {
         "scene": scene.name,
         "split": scene.split,
@@ -71,12 +71,13 @@ def measure_uncertainty(
     Args:
         scene, preset: As given to `simulate`.
         sequence: What it gave.
-        frames: The first so many frames are compared, after the whole warm-up; None for a fifth of them within `WINDOW`.
+        frames: How many frames after the warm-up are compared; None for a fifth of them within `WINDOW`.
         device: As given to `simulate`.
 
     Returns:
-        `doubling_cm` (twice the substeps), `perturbed_cm` (each vertex pushed 1 mm further at the start of the warm-up), `cm`
-        (the larger) and `frames` (compared). Of two layers both are changed. NaN where a changed run is not finite.
+        `doubling_cm` (twice the substeps), `perturbed_cm` (each vertex pushed 1 mm further at the start of the
+        warm-up), `cm` (the larger) and `frames` (compared). Of two layers both are changed. NaN where a changed
+        run is not finite.
     """
     outfit = Outfit.of(scene, preset)
     frames = min(frames or int(np.clip(len(sequence) // 5, *WINDOW)), len(sequence))
@@ -102,7 +103,7 @@ def _steps(outfit: Outfit, frames: int) -> int:
     return sum(count - 1 for count in counts)
 
 
-def _summary(run: Drive, warm_up: int, layer: Layer, device: str) -> dict:
+def _summary(run: Simulated, warm_up: int, layer: Layer, device: str) -> dict:
     mean, high = run.strain[warm_up:].T
     return {
         "solver": "explicit",

@@ -16,10 +16,10 @@ def squared_frequencies(fabric: Fabric) -> tuple[float, float]:
     Stretch is bounded for every shape the cloth can take, by letting each spring act in all directions at once.
     """
     count, (a, b), k = len(fabric.mass), fabric.edges.T, fabric.stiffness
-    springs = sp.coo_matrix(
+    springs = sp.csr_matrix(
         (np.concatenate([k, k, -k, -k]), (np.r_[a, b, a, b], np.r_[a, b, b, a])), shape=(count, count)
     )
-    return _largest(springs.tocsr(), fabric.mass), _largest(fabric.bending, fabric.mass)
+    return _largest(springs, fabric.mass), _largest(fabric.bending, fabric.mass)
 
 
 def substeps(fabric: Fabric, material: Material, settings: Settings, frame_time: float) -> int:
@@ -44,4 +44,5 @@ def _largest(matrix: sp.csr_matrix, mass: np.ndarray) -> float:
         return 0.0
     root = sp.diags(1 / np.sqrt(mass))
     start = np.random.default_rng(0).standard_normal(len(mass))
-    return float(eigsh(root @ matrix @ root, k=1, which="LA", v0=start, tol=1e-3, return_eigenvectors=False)[0])
+    options: dict = {"which": "LA", "v0": start, "tol": 1e-3, "return_eigenvectors": False}
+    return float(eigsh(root @ matrix @ root, k=1, **options)[0])

@@ -17,9 +17,9 @@ from garmentbench.simulation.kernels import Cloth, Contact, Physics
 class Bends:
     """Bending stencils: S of them."""
 
-    stencil: wp.array(dtype=wp.vec4i)
-    coefficient: wp.array(dtype=wp.vec4)
-    stiffness: wp.array(dtype=float)  # [N/m]
+    stencil: wp.array[wp.vec4i]
+    coefficient: wp.array[wp.vec4]
+    stiffness: wp.array[float]  # [N/m]
 
 
 @wp.func
@@ -40,13 +40,13 @@ def project_edge(c: Cloth, p: Physics, e: int):
     a = c.ends[e][0]
     b = c.ends[e][1]
     d = c.x[b] - c.x[a]
-    l = wp.length(d)
+    length = wp.length(d)
     k = c.stiffness[e]
-    if l < c.length[e]:
+    if length < c.length[e]:
         k = k * p.compression
     wa = c.inverse_mass[a] * float(1 - c.pinned[a])
     wb = c.inverse_mass[b] * float(1 - c.pinned[b])
-    push = (l - c.length[e]) / (wa + wb + 1.0 / (k * p.dt * p.dt)) * d / wp.max(l, 1.0e-9)
+    push = (length - c.length[e]) / (wa + wb + 1.0 / (k * p.dt * p.dt)) * d / wp.max(length, 1.0e-9)
     c.x[a] = c.x[a] + wa * push
     c.x[b] = c.x[b] - wb * push
 

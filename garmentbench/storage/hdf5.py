@@ -4,6 +4,7 @@ import io
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any, TypeVar
 
 import h5py
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from garmentbench.errors import Problem, ProblemError
 from garmentbench.storage.atomic import written_whole
 
+T = TypeVar("T")
 DAMAGED = (OSError, RuntimeError, KeyError, ValueError)  # what h5py raises over a damaged file
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _FRAMES_A_CHUNK = 16
@@ -73,21 +75,23 @@ def opened(path: Path, kind: str, schema: int, remake: str) -> Iterator[h5py.Fil
         raise refuse(f"truncated or damaged ({reason(e)})") from e
 
 
-def put_attributes(holder: h5py.File | h5py.Group, **values: str | int | float) -> None:
+def put_attributes(holder: h5py.Group, **values: str | int | float) -> None:
     """Write attributes. Texts have fixed length: HDF5 keeps others where no checksum guards them, and may hang there."""
     for name, value in values.items():
         holder.attrs[name] = np.bytes_(value.encode()) if isinstance(value, str) else value
 
 
-def attribute(holder: h5py.File | h5py.Group, name: str, kind: type) -> str | int | float | None:
+def attribute(holder: h5py.Group, name: str, kind: type[T]) -> T | None:
     """An attribute; None where it is missing or not one value of that kind, as `put_attributes` writes it."""
     if name not in holder.attrs or holder.attrs.get_id(name).dtype.hasobject:
         return None
-    value = holder.attrs[name]
+    value: Any = holder.attrs[name]
     value = value.item() if isinstance(value, np.generic) else value
     if kind is str and isinstance(value, bytes):
-        return value.decode(errors="replace")
-    return float(value) if kind is float and isinstance(value, int) else value if isinstance(value, kind) else None
+        value = value.decode(errors="replace")
+    if kind is float and isinstance(value, int):
+        value = float(value)
+    return value if isinstance(value, kind) else None
 
 
 def dataset(file: h5py.File, name: str) -> h5py.Dataset | None:

@@ -64,7 +64,7 @@ def about(title: str, sequence: Sequence, roll_out: RollOut, frames: np.ndarray)
         "",
         f"Status: **{roll_out.status}**{ending}",
         "",
-        f"- Left: reference. Right: prediction, coloured by its error: pale 0 cm, dark red {ERROR_SCALE_CM:g} cm or more.",
+        f"- Left: reference. Right: prediction, its error as colour: pale 0, dark red {ERROR_SCALE_CM:g} cm or more.",
         f"- Frames {roll_out.start} to {len(sequence) - 1}; drawn: {len(frames)} of {predicted}{step}.",
         "- The view moves with the garment; positions in the file are those of the world, rounded to 2^-13 m.",
     ]

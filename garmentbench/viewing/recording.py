@@ -63,7 +63,7 @@ def write_recording(path: Path, sequence: Sequence, roll_out: RollOut, title: st
             stream, "scene/prediction", template.garment.faces, roll_out.garment, shown, _colours_of(roll_out, sequence)
         )
         if body is not None:
-            _mesh(stream, "scene/body", template.body.faces, body, frames, lambda _: SKIN)
+            _mesh(stream, "scene/body", template.required_body.faces, body, frames, lambda _: SKIN)
         if template.needs.interpenetration and len(shown):
             _penetration(stream, sequence, roll_out, shown)
         _curve(stream, "error/mean", good, frame_l2(roll_out.garment[good], sequence.garment[good]), BLUE)
@@ -72,7 +72,7 @@ def write_recording(path: Path, sequence: Sequence, roll_out: RollOut, title: st
         if len(shown) < len(frames):
             stream.set_time(TIMELINE, sequence=int(frames[len(shown)]))
             stream.log("scene/prediction", rr.Clear(recursive=True))
-        partial.write_bytes(recorded.read())
+        partial.write_bytes(recorded.read() or b"")
 
 
 def _colours_of(roll_out: RollOut, sequence: Sequence) -> Callable[[np.ndarray], np.ndarray]:
@@ -102,7 +102,7 @@ def _mesh(
     faces: np.ndarray,
     positions: np.ndarray,
     frames: np.ndarray,
-    colours: Callable[[np.ndarray], np.ndarray],
+    colours: Callable[[np.ndarray], np.ndarray | tuple[float, float, float]],
 ) -> None:
     """Send a moving mesh in the given frames. `colours` gives their sRGB colours, shape (3,) or (frames, V, 3).
 
@@ -114,7 +114,7 @@ def _mesh(
     for block in np.split(frames, range(_BLOCK, len(frames), _BLOCK)) if len(frames) else []:
         rounded = np.round(positions[block] / np.float32(ROUNDING)) * np.float32(ROUNDING)
         light = 0.75 + 0.25 * vertex_normals(rounded, faces, corners) @ (_LIGHT / np.linalg.norm(_LIGHT))
-        rgba = _packed(colours(block) * light[..., None])
+        rgba = _packed(np.asarray(colours(block)) * light[..., None])
         columns = rr.Mesh3D.columns(vertex_positions=rounded.reshape(-1, 3), vertex_colors=rgba.ravel())
         stream.send_columns(entity, [_times(block)], [c.partition(np.full(len(block), count)) for c in columns])
 
@@ -128,7 +128,7 @@ def _packed(colours: np.ndarray) -> np.ndarray:
 def _penetration(stream: rr.RecordingStream, sequence: Sequence, roll_out: RollOut, shown: np.ndarray) -> None:
     """Mark the prediction's vertices inside the body, and give their share, in the frames that are drawn."""
     garment = roll_out.garment[shown]
-    inside = inside_vertices(garment, sequence.body[shown], sequence.template.body.faces)
+    inside = inside_vertices(garment, sequence.body_positions[shown], sequence.template.required_body.faces)
     points = rr.Points3D.columns(positions=garment[inside]).partition(inside.sum(axis=1))
     stream.log("scene/prediction/inside", rr.Points3D.from_fields(colors=BLUE, radii=0.006), static=True)
     stream.send_columns("scene/prediction/inside", [_times(shown)], points)

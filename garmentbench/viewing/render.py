@@ -80,7 +80,7 @@ def render(
     origin, axes, tangents = _camera(box, VIEWS[view], size)
     vertices = np.concatenate([m.vertices for m in meshes]).astype(np.float32)
     starts = np.cumsum([0] + [len(m.vertices) for m in meshes[:-1]])
-    faces = np.concatenate([m.faces + s for m, s in zip(meshes, starts)]).astype(np.int32)
+    faces = np.concatenate([m.faces + s for m, s in zip(meshes, starts, strict=True)]).astype(np.int32)
     colours = np.concatenate([np.broadcast_to(np.asarray(m.colour), (len(m.vertices), 3)) for m in meshes])
     cloth = np.concatenate([np.full(len(m.faces), m.cloth, np.int32) for m in meshes])
     centre = origin.astype(np.float32)  # rays start at 0: no loss of digits far from the world's origin
@@ -125,16 +125,16 @@ def _shade(normal: wp.vec3, view: wp.vec3, right: wp.vec3, up: wp.vec3) -> float
 @wp.kernel
 def _draw(
     mesh: wp.uint64,
-    normals: wp.array(dtype=wp.vec3),
-    colours: wp.array(dtype=wp.vec3),
-    cloth: wp.array(dtype=wp.int32),
+    normals: wp.array[wp.vec3],
+    colours: wp.array[wp.vec3],
+    cloth: wp.array[wp.int32],
     right: wp.vec3,
     up: wp.vec3,
     forward: wp.vec3,
     tangent_x: float,
     tangent_y: float,
     background: wp.vec3,
-    image: wp.array2d(dtype=wp.vec3),
+    image: wp.array2d[wp.vec3],
 ):
     row, column = wp.tid()
     total = wp.vec3(0.0)

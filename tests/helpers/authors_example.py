@@ -1,4 +1,4 @@
-"""A folder of files as the authors of the motion-guided model released them, written for tests from a baked body and T-shirt.
+"""A folder of files as the authors of the motion-guided model released them, from a baked body and T-shirt.
 
 All coordinates are multiples of 2^-12 m, so that nothing is rounded on the way through float32.
 """
@@ -149,7 +149,7 @@ def _groups(count: int, seams: np.ndarray) -> list[list[int]]:
 
 
 def _write_motion(w: Written, folder: Path, body_faces: np.ndarray) -> None:
-    """Frames 1, 2 ... of garment, body and seeds. Normals are the faces' uniform mean, where the authors' files have their own."""
+    """Frames 1, 2 ... of garment, body and seeds. Normals are the faces' uniform mean; the authors' differ."""
     cloth, person, seeds_folder = folder / "TShirt_pnva", folder / "body_n", folder / f"body_RTVN_{len(w.labels)}"
     for made in (cloth, person, seeds_folder):
         made.mkdir(parents=True)

@@ -4,6 +4,7 @@ Written from the description of their blocks; only names and shapes are theirs. 
 """
 
 from collections import OrderedDict
+from itertools import pairwise
 
 import torch
 from torch import Tensor, nn
@@ -25,7 +26,7 @@ def linear(inputs: int, outputs: int) -> nn.Module:
 
 
 def chain(make, widths: list[int], *more) -> nn.Sequential:
-    return nn.Sequential(*(make(i, o, *more) for i, o in zip(widths, widths[1:], strict=False)))
+    return nn.Sequential(*(make(i, o, *more) for i, o in pairwise(widths)))
 
 
 def halved(size: int, width: int) -> list[int]:

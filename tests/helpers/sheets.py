@@ -6,13 +6,14 @@ import numpy as np
 
 from garmentbench.evals.crosscheck.match_material import equilateral, sheet
 from garmentbench.sequence import OBJECT, Body, Garment
-from garmentbench.simulation.drive import Drive, drive
+from garmentbench.simulation.drive import Simulated, drive
 from garmentbench.simulation.material import Material, Settings
 
 __all__ = ["FPS", "HARD", "equilateral", "floor", "grid", "run", "tilt"]
 
 FPS = 30.0
 HARD = Material(air=0.0)  # the default fabric in a vacuum
+DEFAULTS = Settings()
 
 
 def grid(columns: int, rows: int, width: float, height: float, pins: Sequence[int] = ()) -> Garment:
@@ -40,9 +41,9 @@ def run(
     material: Material = HARD,
     body: Body | None = None,
     start: np.ndarray | None = None,
-    settings: Settings = Settings(),
+    settings: Settings = DEFAULTS,
     **options: object,
-) -> Drive:
+) -> Simulated:
     """Drive a sheet from `start` (its rest shape, where None); `options` as of `drive`."""
     start = garment.rest.astype(np.float64) if start is None else start
     return drive(garment, start, body, frames, FPS, material, settings, **options)

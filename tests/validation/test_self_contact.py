@@ -17,7 +17,7 @@ UPPER, LOWER = slice(13, None), slice(0, 8)  # columns of the two leaves, away f
 
 
 def folded(radius: float) -> tuple[Garment, np.ndarray]:
-    """A strip and where it is when folded back on itself, half a cylinder between the leaves; the lower one at z = 0."""
+    """A strip and where it is when folded back on itself, half a cylinder between the leaves; the lower at z = 0."""
     strip = grid(COLUMNS, ROWS, COLUMNS * EDGE, ROWS * EDGE)
     x, half, arc = strip.rest[:, 0].astype(np.float64), COLUMNS * EDGE / 2, np.pi * radius / 2
     angle = np.clip((x - half + arc) / radius, 0, np.pi)

@@ -15,7 +15,8 @@ def _bounces(beats: int, depth: float = 0.075) -> tuple[tuple[float, float], ...
 def _touches(width: float = 0.20) -> tuple[Step, ...]:
     """Step and touch, to the left and to the right."""
     return (
-        Step("L", 1, width), Step("R", 2, width - 0.04, how=LOW), Step("R", 3, -width), Step("L", 4, 0.04 - width, how=LOW),
+        Step("L", 1, width), Step("R", 2, width - 0.04, how=LOW),
+        Step("R", 3, -width), Step("L", 4, 0.04 - width, how=LOW),
         Step("L", 5, width), Step("R", 6, width - 0.04, how=LOW), Step("R", 7, 0.0), Step("L", 7.9, 0.0, how=LOW),
     )  # fmt: skip
 
@@ -33,7 +34,8 @@ def _swaying(b: np.ndarray) -> Bearing:
     """Lifted arms sway from side to side and take the chest along."""
     side = wave(b, 4.0, 0.3)
     return {
-        "space.L": 62 + 22 * side, "space.R": 62 - 22 * side, "elbow.L": 62.0, "elbow.R": 62.0, "roll.L": 80.0, "roll.R": 80.0,
+        "space.L": 62 + 22 * side, "space.R": 62 - 22 * side, "elbow.L": 62.0, "elbow.R": 62.0,
+        "roll.L": 80.0, "roll.R": 80.0,
         "bend": -13 * side, "sway": 0.025 * side, "look": 8 * side,
     }  # fmt: skip
 
@@ -43,7 +45,8 @@ def _punches(b: np.ndarray) -> Bearing:
     turn = wave(b, 2.0, 0.2)
     return {
         "space.L": 32.0, "space.R": 32.0, "swing.L": 52 + 26 * turn, "swing.R": 52 - 26 * turn,
-        "elbow.L": 58 - 36 * turn, "elbow.R": 58 + 36 * turn, "roll.L": -5.0, "roll.R": -5.0, "twist": -18 * turn, "lean": 7.0,
+        "elbow.L": 58 - 36 * turn, "elbow.R": 58 + 36 * turn, "roll.L": -5.0, "roll.R": -5.0,
+        "twist": -18 * turn, "lean": 7.0,
     }  # fmt: skip
 
 

@@ -144,7 +144,7 @@ def _plants(
     rest = baked.joints[baked.joint_names.index(f"foot.{side}")]
     out = scale * HOME * np.sign(rest[0])
     plants = [Plant(-ALWAYS, leaves[0], rest[0], rest[1])]
-    for (part, step), leave in zip(own, leaves[1:]):
+    for (part, step), leave in zip(own, leaves[1:], strict=True):
         hand = -1.0 if part.mirror else 1.0
         heading = part.heading + hand * step.turn
         to = scale * part.size * np.array([hand * step.left, -step.forward])
@@ -157,7 +157,10 @@ def _plants(
 
 
 def _bearing(parts: list[_Part], beats: np.ndarray) -> Bearing:
-    """All channels at given beats. Phrases dissolve into one another over a beat, the first out of an easy stand over two."""
+    """All channels at given beats.
+
+    Phrases dissolve into one another over a beat, the first out of an easy stand over two.
+    """
     total = {name: np.full(len(beats), rest) for name, rest in NEUTRAL.items()}
     for part in parts:
         b = beats - part.start

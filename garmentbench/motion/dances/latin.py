@@ -7,7 +7,7 @@ from garmentbench.motion.easing import between, wave
 from garmentbench.motion.score import Bearing, Hips
 
 
-def _latin_arms(b: np.ndarray, space: float = 28.0) -> Bearing:
+def _latin_arms(b: np.ndarray, space: float = 28.0) -> dict[str, np.ndarray | float]:
     follow = wave(b, 2.0, 0.6)
     return {
         "space.L": space + 5 * follow, "space.R": space - 5 * follow,

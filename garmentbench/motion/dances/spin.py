@@ -7,10 +7,8 @@ from garmentbench.motion.easing import between, wave
 from garmentbench.motion.score import Bearing, Hips
 
 _PIVOT = {"raised": 14.0, "pivot": 65.0, "strike": -8.0, "push": 25.0}
-_ROUND, _ROUND_BACK = (
-    {"kick": (0.02, 0.15)},
-    {"kick": (-0.04, -0.15)},
-)  # round the standing foot, in front of or behind it
+# Round the standing foot, in front of it or behind it.
+_ROUND, _ROUND_BACK = {"kick": (0.02, 0.15)}, {"kick": (-0.04, -0.15)}
 
 
 def _spin_arms(b: np.ndarray) -> Bearing:
@@ -29,7 +27,8 @@ def _kick_arms(b: np.ndarray) -> Bearing:
     swing = wave(b, 4.0, 0.6)
     return {
         "space.L": 30.0, "space.R": 30.0, "swing.L": 6 + 42 * swing, "swing.R": 6 - 42 * swing,
-        "elbow.L": 50 + 16 * swing, "elbow.R": 50 - 16 * swing, "twist": 14 * swing, "lean": 8.0 - 10 * between(b, 1.2, 3.2),
+        "elbow.L": 50 + 16 * swing, "elbow.R": 50 - 16 * swing, "twist": 14 * swing,
+        "lean": 8.0 - 10 * between(b, 1.2, 3.2),
     }  # fmt: skip
 
 
@@ -57,12 +56,14 @@ SPIN = Dance(
         ), _spin_arms, dips=((1, -0.035), (2.4, 0.015), (5, 0.015), (6.4, -0.02), (8, 0.0)), end=(0.0, 0.0, 360.0)),
         Phrase(8, (  # kicks forward and back
             Step("L", 1, 0.0, 0.10), Step("R", 2.8, how={"kick": (0.0, 0.42), "lift": 0.30, "tuck": 30.0}, take=1.5),
-            Step("L", 4.4, how={"kick": (0.0, -0.30), "lift": 0.20, "tuck": 45.0}, take=1.3), Step("R", 5.2, 0.0, -0.08),
+            Step("L", 4.4, how={"kick": (0.0, -0.30), "lift": 0.20, "tuck": 45.0}, take=1.3),
+            Step("R", 5.2, 0.0, -0.08),
             Step("L", 6.6, how={"kick": (0.0, 0.42), "lift": 0.28, "tuck": 30.0}, take=1.2), Step("R", 7.5),
         ), _kick_arms, dips=((1, -0.03), (2, 0.0), (3, -0.03), (4, 0.0), (5, -0.03), (6, 0.0), (7, -0.03), (8, 0.0))),
         Phrase(8, (  # from side to side
             Step("L", 1, 0.28), Step("R", 2, 0.20), Step("L", 3, 0.30),
-            Step("R", 4.2, 0.26, how={"kick": (-0.10, 0.1), "lift": 0.08}), Step("R", 5.2, -0.02), Step("L", 6.2, 0.02), Step("R", 7.2),
+            Step("R", 4.2, 0.26, how={"kick": (-0.10, 0.1), "lift": 0.08}), Step("R", 5.2, -0.02),
+            Step("L", 6.2, 0.02), Step("R", 7.2),
         ), _side_arms, dips=((1, -0.04), (2, 0.0), (3, -0.04), (4, 0.0), (5, -0.04), (6, 0.0), (7, -0.03), (8, 0.0))),
         Phrase(4, (  # half a turn, quicker
             Step("L", 1, 0.05, 0.0, 50.0, 0.7, _PIVOT), Step("R", 2, -0.07, 0.0, 120.0, 0.8, _ROUND_BACK),

@@ -1,4 +1,4 @@
-"""A clip in a scene: the warm-up out of the A-pose, speed, freeze and place, too short clips, and what the scene file says."""
+"""A clip in a scene: the warm-up out of the A-pose, speed, freeze and place, too short clips, the scene file."""
 
 from dataclasses import replace
 from pathlib import Path

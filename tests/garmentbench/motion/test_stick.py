@@ -53,7 +53,7 @@ def test_motion_is_smooth_and_lively(name):
     positions = animate_stick(scene(Motion(name)), 300).positions
     speed = np.linalg.norm(np.diff(positions, axis=0), axis=-1) * FPS
     acceleration = np.linalg.norm(np.diff(positions, 2, axis=0), axis=-1) * FPS**2
-    assert speed[0].max() < 0.01 and 0.2 < speed[WARM_UP:].mean() and speed.max() < 1.5
+    assert speed[0].max() < 0.01 and speed[WARM_UP:].mean() > 0.2 and speed.max() < 1.5
     assert acceleration.max() < 5
     assert positions[..., 2].min() > 0.9  # the sheet, 0.6 m long, stays off the ground
 

@@ -150,9 +150,10 @@ from garmentbench.viewing.recording import write_recording
 from garmentbench.evaluation.rollout import ROLL_OUT, RollOut
 from garmentbench.evaluation.toy import tiny_sequence
 sequence = tiny_sequence(70)
+roll = RollOut(ROLL_OUT, 3, sequence.garment, None, np.ones((70, 3)))
 resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
 try:
-    write_recording(Path({str(path)!r}), sequence, RollOut(ROLL_OUT, 3, sequence.garment, None, np.ones((70, 3))), "test")
+    write_recording(Path({str(path)!r}), sequence, roll, "test")
 except UserError as e:
     sys.exit(str(e))
 """
