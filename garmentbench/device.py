@@ -1,6 +1,10 @@
 """Which device is used: the processor, or a CUDA device."""
 
 import os
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 from garmentbench.errors import UserError, unknown_name
 from garmentbench.scenes.presets import PRESETS, Preset
@@ -29,10 +33,34 @@ def require_device(preset: Preset) -> None:
 
 
 def quiet_warp() -> None:
-    """Keep Warp from telling which kernels it loads on standard output, which belongs to the command's own answer."""
+    """Start Warp without the messages that would mix with a command's output: which kernels it loads, and that there is
+    no CUDA driver. To be called before its first use."""
     import warp
 
     warp.config.log_level = warp.LOG_WARNING
+    with _native_stderr() as lines:  # the library itself writes there, whatever the level
+        warp.init()
+    for line in lines:
+        if "Could not find or load the NVIDIA CUDA driver" not in line:
+            print(line, file=sys.stderr)
+
+
+@contextmanager
+def _native_stderr() -> Iterator[list[str]]:
+    """Keep what C code writes to standard error inside the block; the lines are there after it."""
+    lines: list[str] = []
+    before = os.dup(2)
+    try:
+        with tempfile.TemporaryFile() as file:
+            os.dup2(file.fileno(), 2)
+            try:
+                yield lines
+            finally:
+                os.dup2(before, 2)
+                file.seek(0)
+                lines += file.read().decode(errors="replace").splitlines()
+    finally:
+        os.close(before)
 
 
 def one_thread() -> None:

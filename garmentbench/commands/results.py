@@ -103,18 +103,21 @@ class View:
     """Open a roll-out's recording in the Rerun viewer.
 
     Example: garmentbench view evaluate-1f00c0ffee12
+    Example: garmentbench view evaluate-1f00 --web
 
     Attributes:
         name: Id of an evaluation's run, or its beginning (`garmentbench runs kind=evaluate`).
+        web: Serve it to a browser, as on a machine without a display.
     """
 
     name: Positional[str]
+    web: bool = False
 
     def run(self) -> None:
         from garmentbench.storage.runs import RunStore
-        from garmentbench.viewing.viewer import open_viewer
+        from garmentbench.viewing.viewer import open_viewer, serve_recording
 
         run = RunStore().get(self.name)
         if run.kind != "evaluate":
             raise UsageError(f"view: {run.id} is no evaluation; `garmentbench runs kind=evaluate` lists those")
-        open_viewer(run.folder / "recording.rrd")
+        (serve_recording if self.web else open_viewer)(run.folder / "recording.rrd")

@@ -2,18 +2,23 @@
 
 import io
 import os
+import signal
 import socket
 import subprocess
+import sys
 import time
+import urllib.request
 
 import numpy as np
 import pytest
 from rerun.experimental import ViewerClient
 
+from garmentbench.errors import UserError
 from garmentbench.evaluation.rollout import ROLL_OUT, RollOut
 from garmentbench.evaluation.toy import tiny_sequence
+from garmentbench.paths import PACKAGE
 from garmentbench.viewing.recording import write_recording
-from garmentbench.viewing.viewer import viewer_program
+from garmentbench.viewing.viewer import open_viewer, viewer_program
 
 SECONDS = 15.0
 
@@ -81,3 +86,37 @@ def test_the_viewer_opens_a_recording_on_its_blueprint(viewer, tmp_path):
 
     wait_for(both_drawn, "reference and prediction are drawn")
     assert [r for v in viewer.get_state().views for r in v.reports] == []
+
+
+@pytest.fixture
+def recording(tmp_path):
+    sequence = tiny_sequence(8)
+    roll_out = RollOut(ROLL_OUT, 3, sequence.garment, None, np.ones((8, 3)))
+    write_recording(tmp_path / "recording.rrd", sequence, roll_out, "test")
+    return tmp_path / "recording.rrd"
+
+
+def test_without_a_display_the_user_is_told_where_the_file_is_and_how_to_see_it(recording, monkeypatch):
+    monkeypatch.setattr("sys.platform", "linux")
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    with pytest.raises(UserError, match=rf"{recording}: no display.*--web"):
+        open_viewer(recording)
+
+
+def test_a_browser_is_served_until_ctrl_c(recording):
+    code = f"from pathlib import Path; from garmentbench.viewing.viewer import serve_recording as s; s(Path({str(recording)!r}))"
+    env = os.environ | {"PYTHONPATH": str(PACKAGE.parent)}
+    process = subprocess.Popen([sys.executable, "-c", code], env=env, stdout=subprocess.PIPE, text=True)
+    address = process.stdout.readline().split("?")[0]
+
+    def answers() -> bool:
+        try:
+            return urllib.request.urlopen(address, timeout=2).status == 200
+        except OSError:
+            return False
+
+    wait_for(answers, "the page is served")
+    process.send_signal(signal.SIGINT)
+    assert process.wait(20) == 0
+    wait_for(lambda: not answers(), "the server ends with its command")
