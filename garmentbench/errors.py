@@ -1,7 +1,11 @@
 """The errors that a user can cause and mend. Each message is one line: what was found, what was wanted, what to do."""
 
 import difflib
+import os
+import sys
+import traceback
 from dataclasses import dataclass
+from pathlib import Path
 
 
 class UserError(Exception):
@@ -25,6 +29,33 @@ def unknown_name(kind: str, name: str, known: list[str]) -> UsageError:
     near = difflib.get_close_matches(name, known, n=1, cutoff=0.4)
     hint = f"did you mean '{near[0]}'? " if near else ""
     return UsageError(f"unknown {kind} '{name}': {hint}Known: {', '.join(sorted(known)) or 'none'}")
+
+
+def described(error: BaseException, raised_by: type) -> str:
+    """What foreign code raised, in one line with its place, e.g. "ValueError: no data (my_method.py:12)".
+
+    The place is the innermost line in the package of the class `raised_by` (in its folder, where it is a lone module),
+    so that an error from within a library is found where the author called it.
+    """
+    frames = traceback.extract_tb(error.__traceback__)
+    message = " ".join(f"{type(error).__name__}: {error}".split())
+    if not frames:
+        return message
+    own = [frame for frame in frames if _lies_with(Path(frame.filename), raised_by.__module__)]
+    frame = (own or frames)[-1]
+    file = Path(frame.filename)
+    shown = os.path.relpath(file) if file.is_relative_to(Path.cwd()) else file
+    return f"{message} ({shown}:{frame.lineno})"
+
+
+def _lies_with(file: Path, module: str) -> bool:
+    """Is a file part of a module's package? Of ours, each method is a package by itself."""
+    top = module.rpartition(".")[0] if module.startswith("garmentbench.") else module.partition(".")[0]
+    origin = getattr(sys.modules.get(top), "__file__", None)
+    if origin is None:
+        return False
+    folder = Path(origin).parent
+    return folder in file.parents if Path(origin).name == "__init__.py" else file.parent == folder
 
 
 @dataclass(frozen=True)

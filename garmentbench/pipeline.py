@@ -6,6 +6,8 @@ names.
 
 import os
 import sys
+import tempfile
+import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -14,12 +16,13 @@ from typing import TYPE_CHECKING, Any
 
 from garmentbench import sequence_file
 from garmentbench.device import device_name, quiet_warp, require_device
-from garmentbench.errors import UsageError, UserError, unknown_name
+from garmentbench.errors import UsageError, UserError, described, unknown_name
 from garmentbench.method import HISTORY, Method
 from garmentbench.reference import is_file, make_sequence, take_source
 from garmentbench.scenes.presets import Preset
 from garmentbench.scenes.scene import Scene, load_scene, scene_names
 from garmentbench.sequence import GARMENT, HUMAN, OBJECT
+from garmentbench.storage.atomic import write_text
 from garmentbench.storage.fingerprint import content_hash, fingerprint
 from garmentbench.storage.runs import Run, RunStore
 
@@ -163,10 +166,21 @@ def train(choice: MethodChoice, sources: Sequence[str], preset: Preset, frames: 
                 _require_same_meshes(identity["train_scenes"][0], sequences[0], name, sequence)
             folder = run.folder / "method"
             folder.mkdir(exist_ok=True)
-            with _foreign_code(run, "fit"):
+            with _foreign_code(run, "fit", choice.method):
                 choice.method.fit(sequences, choice.config, run).save(folder)
             run.finish({"garment": garment_mesh(sequences[0])})
     return store.get(run.id)
+
+
+def training_run(folder: Path | str | None = None, seed: int = 0) -> Run:
+    """A run to call a method's `fit` with by hand, in a notebook or a test.
+
+    Args:
+        folder: Where checkpoints and logs go; a new temporary folder if none is given.
+        seed: The run's seed.
+    """
+    root = tempfile.mkdtemp(prefix="garmentbench-") if folder is None else folder
+    return RunStore(Path(root)).open("fit", {"seed": seed})
 
 
 def keep(method: Method, variant: str, origin: str, data: str, store: RunStore) -> Run:
@@ -210,6 +224,7 @@ def evaluate(trained: Run, source: str, preset: Preset, store: RunStore) -> Run:
         UserError: The training is not finished, or it was done on another garment.
     """
     from garmentbench.evaluation.excerpt import write_material
+    from garmentbench.evaluation.rollout import OK
     from garmentbench.evaluation.score import score
     from garmentbench.viewing.recording import write_recording
 
@@ -232,20 +247,15 @@ def evaluate(trained: Run, source: str, preset: Preset, store: RunStore) -> Run:
             sequence = sequence_file.load(reference.path)
             if garment is not None and not _any_garment(method):
                 _require_garment(trained, garment, reference.name, sequence)
-            with _foreign_code(run, "load"):
+            with _foreign_code(run, "load", method):
                 learnt = method.load(trained.folder / "method")
             roll, one = _predict(learnt, sequence, run)
             roll.save(run.folder / "rollout.h5")
             write_material(run.folder, sequence, roll)
             write_recording(run.folder / "recording.rrd", sequence, roll, f"{method.name} on {reference.name}")
-            run.finish(
-                {
-                    "rows": [row.measured for row in score(roll, one, sequence)],
-                    "status": roll.status,
-                    "first_bad_frame": roll.first_bad_frame,
-                    "message": roll.message,
-                }
-            )
+            bad = one if roll.status == OK else roll
+            ending = {"status": bad.status, "first_bad_frame": bad.first_bad_frame, "message": bad.message}
+            run.finish({"rows": [row.measured for row in score(roll, one, sequence)], **ending})
     return store.get(run.id)
 
 
@@ -320,18 +330,16 @@ def _require_same_meshes(first: str, one: "Recording", second: str, other: "Reco
 
 
 @contextmanager
-def _foreign_code(run: Run, doing: str) -> Iterator[None]:
-    """Make one line of whatever a method raises; its traceback stays in the run's folder."""
-    import traceback
-
-    from garmentbench.storage.atomic import write_text
-
+def _foreign_code(run: Run, doing: str, method: type[Method]) -> Iterator[None]:
+    """Make one line of whatever a method raises, and the run "failed"; the traceback stays in the run's folder."""
     try:
         yield
-    except UserError:
+    except UserError as e:
+        run.fail(str(e))
         raise
     except Exception as e:  # a method may be anybody's, and raise anything
         file = run.folder / "error.txt"
         write_text(file, traceback.format_exc())
-        name = run.identity["method"]
-        raise UserError(f"{name}: {doing} raised {type(e).__name__}: {e}; the traceback is in {file}") from e
+        line = f"{method.name}: {doing} raised {described(e, method)}"
+        run.fail(line)
+        raise UserError(f"{line}; the traceback is in {file}") from e

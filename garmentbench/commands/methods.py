@@ -31,27 +31,29 @@ class Methods:
 
 @dataclass(frozen=True)
 class CheckMethod:
-    """Try a method on a tiny scene and say what its author has to mend.
+    """Try a method on tiny scenes, check by check, and say what its author has to mend.
 
-    Example: garmentbench check-method my_package.my_module:MyMethod
+    Exit code 1 if a check fails. The same checks run in pytest by garmentbench.parametrize_with_checks.
+
+    Example: garmentbench check-method my_module:MyMethod
 
     Attributes:
-        method: A method's name, or module:Class.
+        method: A method's name, or module:Class (in an installed package or in the working folder).
     """
 
     method: Positional[str]
 
     def run(self) -> None:
+        from garmentbench.device import one_thread
         from garmentbench.evaluation.check_method import check_method
         from garmentbench.pipeline import choose_method
         from garmentbench.scenes.presets import preset
 
+        one_thread()
         choice = choose_method(self.method, "full", preset("smoke"))
-        problems = check_method(choice.method, choice.config)
-        for problem in problems:
-            print(problem)
-        if problems:
-            raise UserError(f"{self.method}: breaks the contract, see above")
+        report = check_method(choice.method, choice.config, lambda result: print(result, flush=True))
+        if not report.ok:
+            raise UserError(f"{self.method}: {len(report.problems)} of {len(report.results)} checks failed, see above")
         print(f"{self.method}: keeps the contract")
 
 

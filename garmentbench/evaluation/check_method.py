@@ -1,117 +1,536 @@
-"""Does a method keep the contract of `garmentbench.method`? Tried on tiny scenes made by formulas, told to its author."""
+"""Does a method keep the contract of `garmentbench.method`? Named checks on tiny scenes, all of which run and report.
 
-from dataclasses import is_dataclass
+In a test file of the method's own package:
+
+    @parametrize_with_checks([(MyMethod, MyMethod.Config())])
+    def test_my_method(method, check):
+        check(method)
+"""
+
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, is_dataclass
+from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from garmentbench.errors import Problem, UserError
-from garmentbench.evaluation.rollout import DIVERGED, FAILED, RollOut, roll_out
+from garmentbench import progress
+from garmentbench.errors import Problem, UserError, described
 from garmentbench.evaluation.toy import tiny_sequence
 from garmentbench.method import HISTORY, BodyFrame, History, Method
-from garmentbench.sequence import HUMAN, OBJECT, Sequence
+from garmentbench.sequence import GARMENT, HUMAN, OBJECT, Sequence
 from garmentbench.storage.runs import RunStore
 
+if TYPE_CHECKING:
+    import pytest
+
 FRAMES = 20
+CUT = 12  # frames after it are scrambled, to see whether the output up to it changes
+SCENES: dict[str, str | None] = {HUMAN: HUMAN, OBJECT: OBJECT, GARMENT: GARMENT, "bodiless": None}
 PARTS = ("fit", "save", "load", "begin", "step")
+PASSED, FAILED, SKIPPED = "passed", "failed", "skipped"
 
 
-def check_method(method: type[Method], config: Any) -> list[Problem]:
-    """Everything in which a method breaks the contract, as far as a tiny scene with a human body and one with an object
-    show it. A method may refuse a scene by a `UserError`, but not the one with the human body.
+class CheckFailedError(AssertionError):
+    """A check found something. `problem` says what, and what to do about it."""
+
+    def __init__(self, what: str, do: str) -> None:
+        super().__init__(f"{what}; {do}")
+        self.what, self.do = what, do
+
+
+class _SkippedError(Exception):
+    """A check says nothing here, for the reason given."""
+
+
+@dataclass(frozen=True)
+class Trace:
+    """What a method returned, frame by frame from the fourth on, as it was, and what it raised, if anything."""
+
+    outputs: list[Any]
+    error: Exception | None = None
+
+    def same(self, other: "Trace", frames: int | None = None) -> bool:
+        """Are the outputs of both equal (the first `frames` of them)?"""
+        mine, its = self.outputs[:frames], other.outputs[:frames]
+        return len(mine) == len(its) and all(np.array_equal(a, b, equal_nan=_is_float(a)) for a, b in zip(mine, its))
+
+
+def _is_float(value: Any) -> bool:
+    return np.asarray(value).dtype.kind == "f"
+
+
+@dataclass
+class Trial:
+    """A method on one scene: fitted once, on demand, for all checks.
+
+    Attributes:
+        method: The class.
+        config: Its configuration, the smaller the better.
+        scene: One of `SCENES`.
+        folder: Where it is trained and saved.
+    """
+
+    method: type[Method]
+    config: Any
+    scene: str
+    folder: Path
+    _fits: int = field(default=0, init=False)
+
+    def sequence(self, phase: float) -> Sequence:
+        """The tiny sequence of the scene; another phase is another motion."""
+        return tiny_sequence(FRAMES, SCENES[self.scene], phase=phase)
+
+    @cached_property
+    def train(self) -> Sequence:
+        return self.sequence(0.0)
+
+    def fit(self, *train: Sequence) -> Method:
+        """Fit anew. Raises whatever the method raises."""
+        self._fits += 1
+        with RunStore(self.folder).open("check", {"scene": self.scene, "fit": self._fits, "seed": 0}) as run:
+            return self.method.fit(train, self.config, run)
+
+    @cached_property
+    def fitted(self) -> Method | Exception:
+        """The method fitted on `train`, or what it raised."""
+        try:
+            return self.fit(self.train)
+        except Exception as e:  # a method may raise anything
+            return e
+
+    @property
+    def trained(self) -> Method:
+        """The fitted method. Skips the check where there is none, which `check_fit` reports."""
+        if isinstance(self.fitted, Exception):
+            raise _SkippedError("fit raised")
+        return self.fitted
+
+    @cached_property
+    def trace(self) -> Trace:
+        """A roll-out."""
+        return replay(self.trained, self.sequence(1.0))
+
+    @cached_property
+    def repeated(self) -> Trace:
+        """The same roll-out, once more."""
+        return replay(self.trained, self.sequence(1.0))
+
+    @property
+    def steady_trace(self) -> Trace:
+        """`trace`, for comparisons. Skips the check where a mere repetition differs, which has a check of its own."""
+        if not self.trace.same(self.repeated):
+            raise _SkippedError("its roll-outs differ anyhow")
+        return self.trace
+
+    def raised(self, error: Exception) -> str:
+        return f"raised {described(error, self.method)}"
+
+
+def replay(method: Method, sequence: Sequence, arrays: "list[np.ndarray] | None" = None) -> Trace:
+    """A roll-out that keeps outputs as they are. All that the method is handed is appended to `arrays`, if given."""
+    outputs: list[Any] = []
+    handed = [] if arrays is None else arrays
+    label = f"roll-out of {getattr(method, 'name', 'the method')}"
+    try:
+        with progress.track(len(sequence) - HISTORY, label) as advance:
+            state = method.begin(sequence.template, _handed(_history(sequence), handed))
+            for t in range(HISTORY, len(sequence)):
+                output, state = method.step(state, _handed(_body(sequence, t), handed))
+                outputs.append(np.array(output))
+                advance()
+    except Exception as e:  # a method may raise anything
+        return Trace(outputs, e)
+    return Trace(outputs)
+
+
+def _history(sequence: Sequence, frame: int = HISTORY) -> History:
+    past = History.before(sequence, frame)
+    return History(past.garments.copy(), None if past.bodies is None else past.bodies.copy())
+
+
+def _body(sequence: Sequence, frame: int) -> BodyFrame:
+    return BodyFrame(None if sequence.body is None else sequence.body[frame].copy())
+
+
+def _handed(value: Any, arrays: list[np.ndarray]) -> Any:
+    arrays += [array for array in vars(value).values() if array is not None]
+    return value
+
+
+# The checks. Each is given a trial, returns where all is well, and raises `CheckFailedError` where it is not.
+
+
+def check_fit(trial: Trial) -> None:
+    """`fit` trains on one sequence. It may refuse a scene by a `UserError`, but not the one with a human body."""
+    error = trial.fitted
+    if isinstance(error, UserError):
+        if trial.scene != HUMAN:
+            raise _SkippedError(f"refused: {error}")
+        raise CheckFailedError(f"fit refuses a human body: {error}", "accept it")
+    if isinstance(error, Exception):
+        do = f"try it with garmentbench.tiny_sequence({FRAMES}, {SCENES[trial.scene]!r})"
+        raise CheckFailedError(f"fit {trial.raised(error)}", do)
+
+
+def check_fit_on_several_sequences(trial: Trial) -> None:
+    """`fit` takes more than one sequence."""
+    _ = trial.trained
+    try:
+        trial.fit(trial.sequence(0.0), trial.sequence(2.0))
+    except Exception as e:  # a method may raise anything
+        do = "train on all of them, without a step from one into the next"
+        raise CheckFailedError(f"fit on two sequences {trial.raised(e)}", do) from e
+
+
+def check_fit_leaves_sequences_alone(trial: Trial) -> None:
+    """`fit` does not write into the sequences that it is given."""
+    _ = trial.trained
+    if not _same_arrays(trial.train, trial.sequence(0.0)):
+        raise CheckFailedError("fit writes into the training sequence", "work on a copy")
+
+
+def check_begin_and_step_run(trial: Trial) -> None:
+    """`begin` and `step` raise nothing."""
+    error = trial.trace.error
+    if isinstance(error, UserError) and not trial.trace.outputs and trial.scene != HUMAN:
+        raise _SkippedError(f"refused: {error}")
+    if error is not None:
+        frame = HISTORY + len(trial.trace.outputs)
+        raise CheckFailedError(f"at frame {frame} it {trial.raised(error)}", "mend it")
+
+
+def check_begin_at_any_frame(trial: Trial) -> None:
+    """Single steps begin anew at every frame, also late in a sequence."""
+    sequence = trial.sequence(1.0)
+    method = trial.trained
+    if trial.trace.error is not None:
+        raise _SkippedError("roll-outs raise")
+    for t in (HISTORY + 1, FRAMES - 1):
+        try:
+            method.step(method.begin(sequence.template, _history(sequence, t)), _body(sequence, t))
+        except Exception as e:  # a method may raise anything
+            raise CheckFailedError(f"begun at frame {t} it {trial.raised(e)}", "let begin start anywhere") from e
+
+
+def check_output_shape(trial: Trial) -> None:
+    """`step` returns one position a vertex, as floats."""
+    wanted = trial.train.garment.shape[1:]
+    for t, output in enumerate(trial.trace.outputs, HISTORY):
+        if output.shape != wanted or output.dtype.kind != "f":
+            found = f"{output.dtype} of shape {output.shape}"
+            raise CheckFailedError(f"at frame {t} step returned {found}", f"return floats of shape {wanted}")
+
+
+def check_output_is_finite(trial: Trial) -> None:
+    """`step` returns no NaN and no infinity."""
+    for t, output in enumerate(trial.trace.outputs, HISTORY):
+        if output.dtype.kind == "f" and not np.isfinite(output).all():
+            vertices = int((~np.isfinite(output)).reshape(len(output), -1).any(axis=1).sum())
+            raise CheckFailedError(f"at frame {t}, {vertices} of {len(output)} vertices are not finite", "mend it")
+
+
+def check_inputs_are_left_alone(trial: Trial) -> None:
+    """`begin` and `step` do not write into the history or the body."""
+    test, arrays = trial.sequence(1.0), []
+    replay(trial.trained, test, arrays)
+    bodies = [] if test.body is None else [test.body[:HISTORY], *test.body[HISTORY:]]
+    if not all(np.array_equal(a, b) for a, b in zip(arrays, [test.garment[:HISTORY], *bodies])):
+        raise CheckFailedError("begin or step writes into the history or the body that it is given", "work on a copy")
+
+
+def check_second_run_is_the_same(trial: Trial) -> None:
+    """A roll-out repeated gives the same garments."""
+    if not trial.trace.same(trial.repeated):
+        do = "keep what changes in the state that begin and step pass on, and seed what is random"
+        raise CheckFailedError("the same roll-out, twice, gives different garments", do)
+
+
+def check_roll_outs_do_not_disturb_each_other(trial: Trial) -> None:
+    """State lies in what `begin` and `step` pass on, not in self."""
+    sequence, method, outputs = trial.sequence(1.0), trial.trained, []
+    history = _history(sequence)
+    moved = History(history.garments + np.float32([0, 0, 0.01]), history.bodies)
+    try:
+        states = [method.begin(sequence.template, h) for h in (history, moved)]
+        for t in range(HISTORY, FRAMES):
+            stepped = [method.step(state, _body(sequence, t)) for state in states]
+            outputs.append(np.array(stepped[0][0]))
+            states = [state for _, state in stepped]
+    except Exception:  # which `check_begin_and_step_run` reports
+        pass
+    if not Trace(outputs).same(trial.steady_trace):
+        raise CheckFailedError(
+            "two roll-outs in turns disturb each other", "keep what changes in the state, not in self"
+        )
+
+
+def check_save_and_load(trial: Trial) -> None:
+    """A method that is saved and loaded predicts the same."""
+    folder = trial.folder / f"saved_{trial.scene}"
+    folder.mkdir()
+    doing = "save"
+    try:
+        trial.trained.save(folder)
+        doing = "load"
+        loaded = trial.method.load(folder)
+    except Exception as e:  # a method may raise anything
+        if isinstance(e, _SkippedError):
+            raise
+        raise CheckFailedError(f"{doing} {trial.raised(e)}", "write in save what load reads") from e
+    if not replay(loaded, trial.sequence(1.0)).same(trial.steady_trace):
+        raise CheckFailedError("the method read back predicts something else", "save all that step uses")
+
+
+def check_future_is_not_seen(trial: Trial) -> None:
+    """The output at a frame stays the same when bodies and garments after it are scrambled.
+
+    Arrays are scrambled in place, so that a method that has kept hold of them (from `fit`, or by other ways) is caught;
+    what a method has learned from a sequence it must keep as a copy.
+    """
+    _ = trial.steady_trace
+    test = trial.sequence(1.0)
+    methods = {"roll-out": trial.trained}
+    if trial.scene == HUMAN:  # once is enough: it is fitted on the very sequence that it is tested on
+        try:
+            methods["fit"] = trial.fit(test)
+        except Exception as e:  # a method may raise anything
+            raise _SkippedError("fit on the test sequence raised") from e
+    before = {name: replay(method, test) for name, method in methods.items()}
+    random = np.random.default_rng(0)
+    for array in (test.garment, test.body):
+        if array is not None:
+            array[CUT + 1 :] = random.permutation(array[CUT + 1 :]) + random.normal(0, 0.1, 3).astype(np.float32)
+    for name, method in methods.items():
+        if not replay(method, test).same(before[name], CUT + 1 - HISTORY):
+            do = "use the body up to the present frame only" + (
+                "; copy what fit keeps of a sequence" if name == "fit" else ""
+            )
+            raise CheckFailedError(f"the output up to frame {CUT} depends on what comes after it", do)
+
+
+def check_reference_is_not_read(trial: Trial) -> None:
+    """`begin` and `step` open no sequence file."""
+    with _opened_sequences() as opened:
+        replay(trial.trained, trial.sequence(1.0))
+    foreign = [path for path in opened if trial.folder not in Path(path).resolve().parents]
+    if foreign:
+        raise CheckFailedError(f"begin or step opens {foreign[0]}", "keep all that it learned in save and load")
+
+
+@contextmanager
+def _opened_sequences() -> Iterator[list[str]]:
+    """Paths of the HDF5 files that are opened in the block, found or not."""
+    import h5py
+
+    opened: list[str] = []
+    original, watching = h5py.File.__init__, True
+
+    def watched(self: Any, name: Any, *args: Any, **kwargs: Any) -> None:
+        opened.append(str(name))
+        original(self, name, *args, **kwargs)
+
+    def audit(event: str, arguments: tuple) -> None:
+        if watching and event == "open" and str(arguments[0]).endswith((".h5", ".hdf5")):
+            opened.append(str(arguments[0]))
+
+    sys.addaudithook(audit)  # can't be taken off again, hence `watching`
+    h5py.File.__init__ = watched
+    try:
+        yield opened
+    finally:
+        h5py.File.__init__, watching = original, False
+
+
+def _same_arrays(one: Sequence, other: Sequence) -> bool:
+    def arrays(sequence: Sequence) -> list[np.ndarray]:
+        template = sequence.template
+        parts = (
+            *vars(template.garment).values(),
+            *vars(template.body or object).values(),
+            sequence.garment,
+            sequence.body,
+        )
+        return [part for part in parts if isinstance(part, np.ndarray)]
+
+    return all(np.array_equal(a, b) for a, b in zip(arrays(one), arrays(other), strict=True))
+
+
+CheckFunction = Callable[[Trial], None]
+CHECKS: tuple[CheckFunction, ...] = (
+    check_fit,
+    check_fit_on_several_sequences,
+    check_fit_leaves_sequences_alone,
+    check_begin_and_step_run,
+    check_begin_at_any_frame,
+    check_output_shape,
+    check_output_is_finite,
+    check_inputs_are_left_alone,
+    check_second_run_is_the_same,
+    check_roll_outs_do_not_disturb_each_other,
+    check_save_and_load,
+    check_future_is_not_seen,
+    check_reference_is_not_read,
+)
+ONCE = (check_fit_on_several_sequences,)  # checks that need a training of their own run on the human scene alone
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a check found.
+
+    Attributes:
+        check: Its name, e.g. "output_is_finite".
+        scene: "human", "object", "garment", "bodiless", or "class" for what needs no scene.
+        status: "passed", "failed" or "skipped".
+        problem: What is wrong, of a failed one.
+        reason: Why it was skipped.
+    """
+
+    check: str
+    scene: str
+    status: str
+    problem: Problem | None = None
+    reason: str = ""
+
+    def __str__(self) -> str:
+        more = self.problem.what + "; " + self.problem.do if self.problem else self.reason
+        return f"{self.scene}: {self.check.replace('_', ' ')}: {self.status}" + (f": {more}" if more else "")
+
+
+@dataclass(frozen=True)
+class Report:
+    """What all checks of a method found."""
+
+    method: str
+    results: tuple[Result, ...]
+
+    @property
+    def ok(self) -> bool:
+        """No check failed."""
+        return not self.problems
+
+    @property
+    def problems(self) -> list[Problem]:
+        """What is wrong, one a failed check."""
+        return [result.problem for result in self.results if result.problem is not None]
+
+    def __str__(self) -> str:
+        counts = {s: sum(r.status == s for r in self.results) for s in (PASSED, FAILED, SKIPPED)}
+        failed = [str(result) for result in self.results if result.status == FAILED]
+        return "\n".join([*failed, f"{self.method}: " + ", ".join(f"{n} {s}" for s, n in counts.items())])
+
+
+def check_method(method: type[Method], config: Any = None, finished: Callable[[Result], None] | None = None) -> Report:
+    """Run all checks on tiny scenes with a human body, an object, an inner garment, and nothing beneath.
 
     Args:
         method: The class.
-        config: A configuration, the smaller the better.
+        config: A configuration, the smaller the better; `method.Config()` if none is given.
+        finished: Called with each result as soon as it is known.
     """
-    return missing_parts(method) or _try_scene(method, config, HUMAN) or _try_scene(method, config, OBJECT)
+    results = []
+    for check in _bound_checks(method, config):
+        results.append(check.result())
+        if finished is not None:
+            finished(results[-1])
+    return Report(str(getattr(method, "name", None) or method.__name__), tuple(results))
 
 
 def missing_parts(method: type) -> list[Problem]:
     """What a class lacks to be a method at all."""
     problems = []
     if not isinstance(getattr(method, "name", None), str):
-        problems.append(
-            Problem("name", "is missing or no text", "give the class an attribute `name`, as in the tables")
-        )
+        do = "give the class an attribute `name`, as in the tables"
+        problems.append(Problem("name", "is missing or no text", do))
     if not is_dataclass(getattr(method, "Config", None)):
-        problems.append(
-            Problem("Config", "is missing or no dataclass", "give the class an attribute `Config`, a frozen dataclass")
-        )
+        do = "give the class an attribute `Config`, a frozen dataclass"
+        problems.append(Problem("Config", "is missing or no dataclass", do))
     for part in PARTS:
         if not callable(getattr(method, part, None)):
             problems.append(Problem(part, "is missing", f"write the method `{part}` (see garmentbench.method.Method)"))
     return problems
 
 
-def _try_scene(method: type[Method], config: Any, kind: str) -> list[Problem]:
-    """Fit, save, load and roll out on a tiny scene; the first part that goes wrong ends it."""
-    train, test = tiny_sequence(FRAMES, kind), tiny_sequence(FRAMES, kind, phase=1.0)
-    with TemporaryDirectory() as name, RunStore(Path(name)).open("check", {"seed": 0}) as run:
-        folder = run.folder / "method"
-        folder.mkdir()
-        part = "fit"
-        try:
-            trained = method.fit((train,), config, run)
-            part = "save"
-            trained.save(folder)
-            part = "load"
-            loaded = method.load(folder)
-        except UserError as e:
-            return [Problem(part, f"refuses a scene with a human body: {e}", "accept it")] if kind == HUMAN else []
-        except Exception as e:  # a method may raise anything
-            return [
-                Problem(
-                    part,
-                    f"raised {type(e).__name__}: {e}",
-                    "mend it; garmentbench.evaluation.toy.tiny_sequence is the scene",
-                )
-            ]
-        return _try_roll_out(trained, loaded, test, f"scene with {kind}")
+@dataclass(frozen=True)
+class Check:
+    """A check bound to a method and a scene; call it with the class in a test. Its text is its name and scene."""
+
+    name: str
+    scene: str
+    result: Callable[[], Result]
+
+    def __call__(self, method: type[Method]) -> None:
+        """Run it, within pytest. Raises `CheckFailedError` where it fails, skips the test where it says nothing."""
+        result = self.result()
+        if result.problem is not None:
+            raise CheckFailedError(result.problem.what, result.problem.do)
+        if result.status == SKIPPED:
+            import pytest
+
+            pytest.skip(result.reason)
+
+    def __str__(self) -> str:
+        return f"{self.name}-{self.scene}"
 
 
-def _try_roll_out(trained: Method, loaded: Method, test: Sequence, where: str) -> list[Problem]:
-    first = roll_out(trained, test)
-    if first.status == FAILED or (first.status == DIVERGED and "not finite" in first.message):
-        what = f"frame {first.first_bad_frame} {first.status}: {first.message}"
-        return [Problem(f"step, {where}", what, f"return finite floats of shape {test.garment.shape[1:]}")]
-    if not _same(first, roll_out(trained, test)):
-        do = "keep what changes in the state that begin and step pass on, and seed what is random"
-        return [Problem(f"step, {where}", "the same roll-out, twice, gives different garments", do)]
-    problems = _try_read_only(trained, test, where)
-    if not np.array_equal(_in_turns(trained, test), first.garment[HISTORY:], equal_nan=True):
-        do = "keep what changes in the state, not in self"
-        problems.append(Problem(f"step, {where}", "two roll-outs in turns disturb each other", do))
-    if not _same(first, roll_out(loaded, test)):
-        problems.append(
-            Problem(f"load, {where}", "the method read back predicts something else", "save all that step uses")
-        )
-    return problems
+def parametrize_with_checks(
+    methods: Iterable[type[Method] | tuple[type[Method], Any]],
+) -> "pytest.MarkDecorator":
+    """A pytest decorator: the test is run with every method and check, as arguments `method` and `check`.
+
+    Args:
+        methods: Classes, or pairs of a class and a small configuration (`Config()` if none is given).
+    """
+    import pytest
+
+    pairs = [m if isinstance(m, tuple) else (m, None) for m in methods]
+    cases = [(method, check) for method, config in pairs for check in _bound_checks(method, config)]
+    return pytest.mark.parametrize(("method", "check"), cases, ids=[f"{m.__name__}-{c}" for m, c in cases])
 
 
-def _same(one: RollOut, other: RollOut) -> bool:
-    return np.array_equal(one.garment, other.garment, equal_nan=True)
+def _bound_checks(method: type[Method], config: Any) -> list[Check]:
+    """All checks of a method. Those of a scene share one trial, which is made when the first of them runs."""
+    trials: dict[str, Trial] = {}
+    root: list[TemporaryDirectory] = []
+
+    def trial(scene: str) -> Trial:
+        if not root:
+            root.append(TemporaryDirectory(prefix="garmentbench-check-"))
+        if scene not in trials:
+            chosen = method.Config() if config is None else config
+            trials[scene] = Trial(method, chosen, scene, Path(root[0].name).resolve())
+        return trials[scene]
+
+    def bound(check: CheckFunction, scene: str) -> Check:
+        name = check.__name__.removeprefix("check_")
+        return Check(name, scene, lambda: _result(check, name, scene, trial))
+
+    parts = Check("has_all_parts", "class", lambda: _class_result(method))
+    if missing_parts(method):
+        return [parts]
+    return [parts] + [
+        bound(check, scene) for scene in SCENES for check in CHECKS if scene == HUMAN or check not in ONCE
+    ]
 
 
-def _in_turns(method: Method, test: Sequence) -> np.ndarray:
-    """A roll-out with another one, of a garment that has moved, step by step beside it [m], shape (T - 3, V, 3)."""
-    history = History.before(test, HISTORY)
-    states = [method.begin(test.template, History(history.garments + d, history.bodies)) for d in (0, np.float32(0.01))]
-    frames = []
-    for t in range(HISTORY, len(test)):
-        outputs, states = zip(*(method.step(state, BodyFrame(test.body[t])) for state in states), strict=True)
-        frames.append(np.asarray(outputs[0], np.float32))
-    return np.array(frames)
+def _result(check: CheckFunction, name: str, scene: str, trial: Callable[[str], Trial]) -> Result:
+    try:
+        check(trial(scene))
+    except CheckFailedError as e:
+        return Result(name, scene, FAILED, Problem(f"{name}, {scene} scene", e.what, e.do))
+    except _SkippedError as e:
+        return Result(name, scene, SKIPPED, reason=str(e))
+    return Result(name, scene, PASSED)
 
 
-def _try_read_only(method: Method, test: Sequence, where: str) -> list[Problem]:
-    """Does a method leave alone what it is given?"""
-    garments, bodies = test.garment[:HISTORY].copy(), test.body[: HISTORY + 1].copy()
-    before = garments.copy(), bodies.copy()
-    state = method.begin(test.template, History(garments, bodies[:HISTORY]))
-    method.step(state, BodyFrame(bodies[HISTORY]))
-    if np.array_equal(garments, before[0]) and np.array_equal(bodies, before[1]):
-        return []
-    return [Problem(f"step, {where}", "writes into the history or the body that it is given", "work on a copy")]
+def _class_result(method: type) -> Result:
+    missing = missing_parts(method)
+    if not missing:
+        return Result("has_all_parts", "class", PASSED)
+    what = ", ".join(f"`{p.where}` {p.what}" for p in missing)
+    return Result("has_all_parts", "class", FAILED, Problem("class", what, "; ".join(p.do for p in missing)))

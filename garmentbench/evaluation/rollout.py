@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from garmentbench.errors import UserError
+from garmentbench.errors import UserError, described
 from garmentbench.method import HISTORY, PARTS, BodyFrame, Clock, History, Method
 from garmentbench.sequence import Sequence, Template
 from garmentbench.storage import hdf5
@@ -119,7 +119,7 @@ def _run(kind: str, method: Method, sequence: Sequence, progress: Callable[[], N
     except _Bad as e:
         ending = (e.args[0], frame, e.args[1])
     except Exception as e:  # a method may raise anything, and its line must stay in the tables
-        ending = (FAILED, frame, f"raised {type(e).__name__}: {e}")
+        ending = (FAILED, frame, f"raised {described(e, type(method))}")
     return RollOut(
         kind,
         HISTORY,

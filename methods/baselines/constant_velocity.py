@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from garmentbench.geometry.blend_skinning import Skin, lift, place
 from garmentbench.method import BodyFrame, History, span
-from garmentbench.methods.baselines.blend_skinning import Skin, lift, place
 from garmentbench.methods.baselines.untrained import Untrained
 from garmentbench.sequence import Template
 

@@ -13,10 +13,10 @@ from pathlib import Path
 
 import numpy as np
 
+from garmentbench.geometry.blend_skinning import Skin, SkinOf, lift, place
+from garmentbench.geometry.seed_features import seed_features
 from garmentbench.method import HISTORY, BodyFrame, FitRun, History, span
-from garmentbench.methods.baselines.blend_skinning import Skin, SkinOf, lift, place
 from garmentbench.methods.baselines.ridge_dynamics import Subspace, advance, fit_dynamics
-from garmentbench.methods.baselines.seed_features import seed_features
 from garmentbench.sequence import Sequence, Template
 
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from garmentbench.geometry.blend_skinning import Skin, place
 from garmentbench.method import BodyFrame, History, span
-from garmentbench.methods.baselines.blend_skinning import Skin, place
 from garmentbench.methods.baselines.untrained import Untrained
 from garmentbench.sequence import Template
 

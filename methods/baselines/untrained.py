@@ -5,8 +5,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import ClassVar, Self
 
+from garmentbench.geometry.blend_skinning import SkinOf
 from garmentbench.method import FitRun
-from garmentbench.methods.baselines.blend_skinning import SkinOf
 from garmentbench.sequence import Sequence
 
 

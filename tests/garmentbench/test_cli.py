@@ -176,13 +176,12 @@ def test_methods_lists_methods_and_variants(capsys):
 
 
 def test_check_method_tells_what_to_mend(tiny, capsys):
-    assert typed(capsys, "check-method", "foreign_methods:Good") == (
-        0,
-        "foreign_methods:Good: keeps the contract\n",
-        [],
-    )
+    code, out, lines = typed(capsys, "check-method", "foreign_methods:Good")
+    assert code == 0 and out.endswith("foreign_methods:Good: keeps the contract\n") and lines == []
+    assert "human: output is finite: passed\n" in out
     code, out, lines = typed(capsys, "check-method", "foreign_methods:NaN")
-    assert code == 1 and "frame 7 diverged" in out and len(lines) == 1 and "breaks the contract" in lines[0]
+    assert code == 1 and "at frame 7, 105 of 105 vertices are not finite" in out
+    assert lines == ["garmentbench: foreign_methods:NaN: 4 of 50 checks failed, see above"]
 
 
 def damaged(path: Path, how: str) -> None:
@@ -268,9 +267,10 @@ def test_a_good_method_is_trained_and_evaluated_once(tiny, capsys):
 
 def test_a_method_whose_training_raises(tiny, capsys):
     code, _, lines = typed(capsys, *evaluate("FitRaises", tiny))
-    assert code == 1 and len(lines) == 1 and "fit raised ZeroDivisionError: no data" in lines[0]
+    assert code == 1 and len(lines) == 1 and "fit raised ZeroDivisionError: no data (" in lines[0]
+    assert "foreign_methods.py:" in lines[0]
     run = RunStore().list()[0]
-    assert run.state == "interrupted" and "Traceback" in (run.folder / "error.txt").read_text()
+    assert run.state == "failed" and run.failure in lines[0] and "Traceback" in (run.folder / "error.txt").read_text()
 
 
 def test_ctrl_c_in_training_then_the_same_command(tiny, capsys):

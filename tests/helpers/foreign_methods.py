@@ -1,10 +1,15 @@
 """Methods as outsiders might write them, each wrong in one way. Named on the command line as foreign_methods:Class."""
 
 import json
+import sys
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+import h5py
 import numpy as np
+
+from garmentbench.errors import UserError
 
 BAD_FRAME = 7
 
@@ -114,3 +119,89 @@ class Writes(Good):
 class Nameless(Good):
     name = None
     step = None
+
+
+class Integers(Good):
+    def output(self, frame, last):
+        return (1000 * last).astype(int)
+
+
+class FitWrites(Good):
+    """Centres the training sequence in place."""
+
+    @classmethod
+    def fit(cls, train, config, run):
+        train[0].garment[:] -= train[0].garment.mean(axis=(0, 1))
+        return cls()
+
+
+class FitTakesOne(Good):
+    @classmethod
+    def fit(cls, train, config, run):
+        (sequence,) = train
+        return cls()
+
+
+class BeginsAtTheStart(Good):
+    """Can't begin after the sequence's first tenth of a second."""
+
+    def begin(self, template, history):
+        if history.garments[-1][:, 0].mean() > 0.038:
+            raise IndexError("too late")
+        return super().begin(template, history)
+
+
+class LoadRaises(Good):
+    @classmethod
+    def load(cls, folder):
+        raise FileNotFoundError("weights.pt")
+
+
+class LooksAhead(Good):
+    """Keeps the sequence that it was trained on, and answers with the next frame's body."""
+
+    def __init__(self, bodies):
+        self.bodies = bodies
+
+    @classmethod
+    def fit(cls, train, config, run):
+        return cls(train[0].garment if train[0].body is None else train[0].body)
+
+    def save(self, folder: Path) -> None:
+        np.save(folder / "bodies.npy", self.bodies)
+
+    @classmethod
+    def load(cls, folder: Path):
+        return cls(np.load(folder / "bodies.npy"))
+
+    def output(self, frame, last):
+        return last + self.bodies[min(frame + 1, len(self.bodies) - 1)].mean(axis=0) - self.bodies[2].mean(axis=0)
+
+
+class LooksAround(Good):
+    """Finds the reference in its caller's variables."""
+
+    def step(self, state, body):
+        caller = sys._getframe(1)
+        frame, last = state
+        sequence = caller.f_locals.get("sequence")
+        if sequence is None:
+            return super().step(state, body)
+        return sequence.garment[min(frame + 1, len(sequence) - 1)].copy(), (frame + 1, last)
+
+
+class ReadsTheReference(Good):
+    """Looks for the reference on the disk."""
+
+    def begin(self, template, history):
+        with suppress(OSError):
+            h5py.File("sequences/smoke/tshirt-armspace-90.h5")
+        return super().begin(template, history)
+
+
+class RefusesObjects(Good):
+    @classmethod
+    def fit(cls, train, config, run):
+        if train[0].template.body is None or train[0].template.body.kind != "human":
+            raise UserError("refuses_objects needs a human body; train it on one")
+        return cls()

@@ -8,9 +8,9 @@ from scipy.spatial.transform import Rotation
 
 from garmentbench.evaluation.rollout import one_step, roll_out
 from garmentbench.evaluation.toy import tiny_sequence
+from garmentbench.geometry.blend_skinning import Skin, lift, place
 from garmentbench.method import BodyFrame, History
 from garmentbench.methods import load_method
-from garmentbench.methods.baselines.blend_skinning import Skin, lift, place
 from garmentbench.metrics.l2 import l2
 
 BASELINES = ("skinning", "hold", "constant_velocity", "linear_subspace")

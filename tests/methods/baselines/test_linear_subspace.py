@@ -5,6 +5,7 @@ import pytest
 
 from garmentbench.evaluation.rollout import roll_out
 from garmentbench.evaluation.toy import tiny_sequence
+from garmentbench.geometry.seed_features import seed_features
 from garmentbench.geometry.seeds import select_seeds
 from garmentbench.methods.baselines.linear_subspace import Config, LinearSubspace
 from garmentbench.methods.baselines.ridge_dynamics import (
@@ -15,7 +16,6 @@ from garmentbench.methods.baselines.ridge_dynamics import (
     fit_dynamics,
     transitions,
 )
-from garmentbench.methods.baselines.seed_features import seed_features
 from garmentbench.metrics.l2 import l2
 
 

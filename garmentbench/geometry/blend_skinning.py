@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from garmentbench.geometry.seed_features import root_map
 from garmentbench.geometry.seeds import SeedPoints, seed_frames, seed_points, select_seeds
-from garmentbench.methods.baselines.seed_features import root_map
 from garmentbench.sequence import OBJECT, Template
 
 RADIUS = 0.05  # [m] of the Gaussian kernel, where the paper's learnt radii start
