@@ -7,21 +7,34 @@ paper's blocks what makes them generalise like linear regression (ours).
 from dataclasses import replace
 
 from garmentbench.evals.baselines import BASELINES
-from garmentbench.evals.experiment import FULL, Entry
+from garmentbench.evals.comparison import FULL, Comparison, Entry
+from garmentbench.report.lines import Line, label
 
 
-def _ablation(name: str, *entries: Entry, table: str = "ablations"):
-    return replace(BASELINES, name=f"ablation-{name}", table=table, entries=(FULL, *entries), needs=False)
+def _ablation(variant: str) -> Comparison:
+    name = f"ablation-{variant.replace('_', '-')}"
+    return replace(
+        BASELINES, name=name, table="ablations", title="Ablations", entries=(FULL, Entry("motion_guided", variant))
+    )
 
 
-ABLATIONS = (
-    _ablation("fixed-weights", Entry("motion_guided", "fixed_weights")),
-    _ablation("no-virtual-sample", Entry("motion_guided", "no_virtual_sample")),
-    _ablation("no-collision", Entry("motion_guided", "no_collision")),
-    _ablation("linear-paths", Entry("motion_guided", "linear_paths")),
-    _ablation(
-        "train-length",
-        *(Entry("motion_guided", train_frames=n) for n in (50, 150, 900)),
-        table="table4",
-    ),
+class TrainingLengths(Comparison):
+    """The full model by its training length, which every line says."""
+
+    def label(self, line: Line) -> str:
+        own = line.variant == "full" and line.train_frames is not None
+        return label(replace(line, variant=f"train_{line.train_frames}") if own else line)
+
+    def order(self, line: Line) -> tuple:
+        return line.method, line.train_frames or 0, line.variant, line.scene
+
+
+ABLATIONS = tuple(map(_ablation, ("fixed_weights", "no_virtual_sample", "no_collision", "linear_paths")))
+TRAINING_LENGTHS = TrainingLengths(
+    name="ablation-train-length",
+    table="table4",
+    title="Training length",
+    train=BASELINES.train,
+    tests=BASELINES.tests,
+    entries=(FULL, *(Entry("motion_guided", train_frames=n) for n in (50, 150, 900))),
 )

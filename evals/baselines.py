@@ -3,13 +3,13 @@
 The T-shirt row of the paper's Table 3 is this experiment.
 """
 
-from garmentbench.evals.experiment import FULL, SIMPLE, Experiment
+from garmentbench.evals.comparison import FULL, SIMPLE, Comparison
 
-BASELINES = Experiment(
+BASELINES = Comparison(
     name="baselines",
     table="baselines",
-    train="tshirt-armspace-75",
+    title="Main table",
+    train=("tshirt-armspace-75",),
     tests=("tshirt-armspace-90",),
     entries=(*SIMPLE, FULL),
-    needs=True,
 )

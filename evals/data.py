@@ -1,15 +1,23 @@
-"""Data cards in results.csv and from it: rows of experiment "data", a table of all sequences, a file each."""
+"""Data cards of all sequences that were used: rows of results.csv, a table of them, a file each."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from garmentbench.report.card import FACTS, Card
+from garmentbench.evals.experiment import Experiment, Work
+from garmentbench.evaluation.results import Row
+from garmentbench.report.card import FACTS, Card, read_card
 from garmentbench.report.card_text import flaws, markdown
 from garmentbench.report.cells import ABSENT, number
 from garmentbench.report.lines import REFERENCE
 from garmentbench.report.table import NOTICE, Cell, Table
+from garmentbench.scenes.presets import Preset
+from garmentbench.storage.jobs import Failure
 
 if TYPE_CHECKING:
     import pandas
+
+    from garmentbench.report.lines import Results
+    from garmentbench.report.page import Section
 
 DATA = "data"
 FOLDER = "cards"
@@ -23,12 +31,32 @@ _COLUMNS = (  # of the table: a fact, its title, whether it is a whole number
 )
 
 
-def card_rows(card: Card) -> list[dict]:
+class Cards(Experiment):
+    """It makes no sequences: it has a card of each that the experiments beside it have."""
+
+    def work(self, preset: Preset, seeds: int) -> Work:
+        def rows(results: dict) -> list[Row]:
+            made = [path for key, path in results.items() if key[0] == "sequence" and not isinstance(path, Failure)]
+            return [row for path in made for row in card_rows(read_card(path))]
+
+        return Work({}, rows)
+
+    def sections(self, results: "Results") -> "list[Section]":
+        from garmentbench.report.page import Section
+
+        cards = cards_in(results.table)
+        return [Section(data_table(cards, self.title), files=card_files(cards))]
+
+
+CARDS = Cards(name=DATA, table=DATA, title="Data")
+
+
+def card_rows(card: Card) -> list[Row]:
     """A card as rows of results.csv: one a fact that was measured."""
-    about = {"experiment": DATA, "method": REFERENCE, "variant": "full", "seed": 0, "status": card.status}
-    about |= {key: getattr(card, key) for key in ("preset", "scene", "split", "garment", "motion", "body")}
+    names = {key: getattr(card, key) for key in ("preset", "scene", "split", "garment", "motion", "body")}
+    columns = Row(experiment=DATA, method=REFERENCE, variant="full", status=card.status, **names)
     units = {fact.name: fact.unit or "1" for fact in FACTS}
-    return [about | {"metric": name, "value": value, "unit": units[name]} for name, value in card.numbers.items()]
+    return [replace(columns, metric=name, value=value, unit=units[name]) for name, value in card.numbers.items()]
 
 
 def cards_in(results: "pandas.DataFrame") -> list[Card]:
@@ -48,7 +76,7 @@ def card_files(cards: list[Card]) -> dict[str, bytes]:
     return {f"{FOLDER}/{card.scene}.md": f"<!-- {NOTICE} -->\n\n{markdown(card)}".encode() for card in cards}
 
 
-def data_table(cards: list[Card]) -> Table:
+def data_table(cards: list[Card], title: str = "Data") -> Table:
     """All sequences that the report is about, with what limits the trust in them."""
     rows = []
     for card in cards:
@@ -57,7 +85,7 @@ def data_table(cards: list[Card]) -> Table:
         rows.append([Cell(card.scene), Cell(card.split), *cells, Cell(str(len(flaws(card))))])
     return Table(
         DATA,
-        "Data",
+        title,
         "The reference simulations behind everything above, each with a data card that says what it is, what it cost, how far it "
         "can be relied on, what is known to be wrong with it, and how to evaluate on it.",
         ["sequence", "split", *(title for _, title, _ in _COLUMNS), "known flaws"],

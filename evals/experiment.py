@@ -1,47 +1,97 @@
-"""What an experiment is: a training scene, test scenes, and the methods that are put through them."""
+"""What an experiment is: something to compute by its name, and the part of the report that shows it."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
-TRAIN_FRAMES = 300  # the paper's training length, section 6.1
+from garmentbench.evaluation.results import Row
+from garmentbench.scenes.presets import Preset
+from garmentbench.scenes.scene import Scene
+from garmentbench.storage.jobs import Failure, Job
+from garmentbench.storage.runs import RunStore
+
+if TYPE_CHECKING:
+    from garmentbench.report.lines import Results
+    from garmentbench.report.page import Section
 
 
 @dataclass(frozen=True)
-class Entry:
-    """One line of a table.
+class Work:
+    """What an experiment computes at a preset, every name in it resolved.
 
     Attributes:
-        method: Name in `methods.METHODS`.
-        variant: "full", or one of the method's `VARIANTS`.
-        train_frames: It is trained on so many first frames of the training scene.
+        jobs: By key; experiments may share jobs. The key of a reference sequence is ("sequence", scene).
+        rows: Its rows of results.csv, of the results of all jobs.
+        runs: The ids of the runs that its jobs make, where these are known before.
     """
 
-    method: str
-    variant: str = "full"
-    train_frames: int = TRAIN_FRAMES
-
-    @property
-    def label(self) -> str:
-        """The variant's name in results.csv: a departure from the paper's training length is a variant too."""
-        return self.variant if self.train_frames == TRAIN_FRAMES else f"train_{self.train_frames}"
+    jobs: dict[tuple, Job]
+    rows: Callable[[dict[tuple, Any]], list[Row]]
+    runs: dict[tuple, str] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Experiment:
-    """Entries trained on one scene and tested on others. `table` is its name in results.csv.
+    """An experiment.
 
-    Several experiments may share a table's name and lines; a line is computed once.
-    `simulator` adds the reference simulation's own line (method "reference") for every test scene, `needs` the rows that
-    say what was left out for the training scene and what that saves.
+    Attributes:
+        name: What the user types.
+        table: Its name in results.csv; several experiments may share lines and a part of the report.
+        title: Of its part of the report.
+        on_request: It runs only when it is named; what it made stays in the report while its runs are finished.
     """
 
     name: str
     table: str
-    train: str
-    tests: tuple[str, ...]
-    entries: tuple[Entry, ...]
-    simulator: bool = False
-    needs: bool = False
+    title: str
+    on_request: bool = False
+
+    def require(self) -> None:
+        """Raises `UserError` where something that it needs is not installed."""
+
+    def work(self, preset: Preset, seeds: int) -> Work:
+        """Its jobs and rows, with so many trainings of what has chance in it. Raises `UserError` for a wrong name."""
+        raise NotImplementedError
+
+    def sections(self, results: "Results") -> "list[Section]":
+        """Its part of the report, of `results` alone."""
+        raise NotImplementedError
 
 
-FULL = Entry("motion_guided")
-SIMPLE = tuple(Entry(m) for m in ("skinning", "hold", "constant_velocity", "linear_subspace"))
+def finished_rows(experiment: Experiment, preset: Preset) -> list[Row]:
+    """The rows of an experiment all of whose runs are finished, by this code; none otherwise."""
+    work, store = experiment.work(preset, 1), RunStore()
+    if not all((store.root / i / "run.json").is_file() and store.get(i).finished for i in work.runs.values()):
+        return []
+    return work.rows(dict(work.runs))
+
+
+def about(table: str, preset: Preset, scene: Scene, method: str, **columns: Any) -> Row:
+    """A row that says what it is about, and holds nothing measured yet. columns: of `Row`, e.g. the variant."""
+    return Row(
+        preset=preset.name,
+        experiment=table,
+        scene=scene.name,
+        split=scene.split,
+        garment=scene.garment,
+        motion=scene.motion.name,
+        body=scene.body,
+        method=method,
+        **{"variant": "full"} | columns,
+    )
+
+
+def named(measured: Row | dict[str, Any], columns: Row, run: str = "") -> Row:
+    """What was measured, under the columns that say what it is about."""
+    measured = measured.measured if isinstance(measured, Row) else measured
+    return replace(columns, **measured, run_id=run)
+
+
+def failed_row(columns: Row, failure: Failure, metric: str = "rollout_l2") -> Row:
+    """The row of a line that could not be computed at all: it stays in the tables, with its status and what was said."""
+    return replace(columns, metric=metric, unit="cm", status="failed", run_id=f"({failure.message})")
+
+
+def first_failure(*results: Any) -> Failure | None:
+    """The first of some jobs' results that is a failure."""
+    return next((r for r in results if isinstance(r, Failure)), None)

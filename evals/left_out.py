@@ -5,31 +5,98 @@ vertices get part labels. Then everything that depends on a human body is built 
 not depend on what was learnt) and compared. Nothing of this touches the other experiments.
 """
 
+import math
 import tempfile
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import torch
 
 from garmentbench import sequence_file
-from garmentbench.evaluation.rollout import OK, roll_out
+from garmentbench.evals.comparison import sequence_job
+from garmentbench.evals.experiment import Experiment, Work, about, failed_row, named
+from garmentbench.evaluation.results import Row
+from garmentbench.evaluation.rollout import roll_out
 from garmentbench.evaluation.score import score
-from garmentbench.methods.motion_guided import MotionGuided
-from garmentbench.methods.motion_guided.config import Config, config_for
-from garmentbench.methods.motion_guided.training import WEIGHTS, load
+from garmentbench.report.cells import ABSENT, number
+from garmentbench.report.table import Cell, Table
 from garmentbench.scenes.presets import Preset
+from garmentbench.scenes.scene import load_scene
 from garmentbench.sequence import HUMAN, Sequence
+from garmentbench.storage.jobs import Failure, Job
 from garmentbench.storage.runs import RunStore
 
-NEEDS_TABLE = "needs"
+if TYPE_CHECKING:
+    from garmentbench.methods.motion_guided.config import Config
+    from garmentbench.report.lines import Results
+    from garmentbench.report.page import Section
+
+LEFT_OUT = "left_out"
+PREFIX = "left_out:"  # a metric's name is this and the part's
+UNITS = {"ms": "ms a frame", "MB": "MB", "parameters": "parameters"}
 FRAMES = 40
 PARTS = 5
 STEPS = 2
 
 
-def left_out(path: Path, preset: Preset) -> list[dict]:
+@dataclass(frozen=True, kw_only=True)
+class LeftOut(Experiment):
+    """What leaving out saves, for each of some scenes."""
+
+    scenes: tuple[str, ...]
+
+    def work(self, preset: Preset, seeds: int) -> Work:
+        scenes = [load_scene(name) for name in self.scenes]
+        jobs = {job.key: job for scene in scenes for job in [sequence_job(scene, preset)]}
+        for scene in scenes:
+            key, label = (LEFT_OUT, scene.name), f"what {scene.name} does not need"
+            jobs[key] = Job(key, label, left_out, (("sequence", scene.name),), (preset,))
+
+        def rows(results: dict) -> list[Row]:
+            found = []
+            for scene in scenes:
+                columns = about(self.table, preset, scene, "motion_guided")
+                measured = results[LEFT_OUT, scene.name]
+                failed = isinstance(measured, Failure)
+                found += [failed_row(columns, measured)] if failed else [named(row, columns) for row in measured]
+            return found
+
+        return Work(jobs, rows)
+
+    def sections(self, results: "Results") -> "list[Section]":
+        from garmentbench.report.page import Section
+
+        rows = results.table[(results.table.experiment == self.table) & results.table.metric.str.startswith(PREFIX)]
+        cells = []
+        for (scene, metric), group in rows.groupby(["scene", "metric"], sort=True):
+            saved = {unit: group.value[group.unit == unit].mean() for unit in UNITS}
+            texts = [
+                ABSENT if math.isnan(v) else f"{v:,.0f}" if unit == "parameters" else number(v)
+                for unit, v in saved.items()
+            ]
+            cells.append([Cell(scene), Cell(metric.removeprefix(PREFIX).replace("_", " ")), *map(Cell, texts)])
+        table = Table(
+            self.table,
+            self.title,
+            "What a scene does not need is not built for it; the columns say what that saved against building it all the same.",
+            ["scene", "left out", *(f"saved [{unit}]" for unit in UNITS.values())],
+            cells,
+            frozenset({0, 1}),
+        )
+        return [Section(table)]
+
+
+LEAVING_OUT = LeftOut(
+    name=LEFT_OUT,
+    table=LEFT_OUT,
+    title="What scenes do not need",
+    scenes=("tshirt-armspace-75", "sheet-stick-a"),
+)
+
+
+def left_out(path: Path, preset: Preset) -> list[Row]:
     """Rows "left_out:<part>" of a scene: the parameters, MB and ms a frame that each part would have cost.
 
     A scene that needs everything has a row that says so.
@@ -62,8 +129,14 @@ class _Built:
 
 def _build(sequence: Sequence, preset: Preset) -> _Built:
     """Train a model of the preset's sizes for a few steps, roll it out and measure the roll-out."""
+    import torch
+
+    from garmentbench.methods.motion_guided import MotionGuided
+    from garmentbench.methods.motion_guided.config import config_for
+    from garmentbench.methods.motion_guided.training import WEIGHTS, load
+
     with tempfile.TemporaryDirectory() as folder:
-        with RunStore(Path(folder)).open("train", {"what": "needs"}) as run:
+        with RunStore(Path(folder)).open("train", {"what": LEFT_OUT}) as run:
             method = MotionGuided.fit((sequence,), _few_steps(config_for(preset.name)), run)
         files = list(Path(folder).glob(f"sdf-*/{WEIGHTS}"))
         sdf = sum(w.numel() for file in files for w in load(file, torch.device("cpu")).values())
@@ -81,7 +154,7 @@ def _build(sequence: Sequence, preset: Preset) -> _Built:
     )
 
 
-def _few_steps(config: Config) -> Config:
+def _few_steps(config: "Config") -> "Config":
     return replace(
         config,
         **{
@@ -100,5 +173,5 @@ def _as_human(sequence: Sequence) -> Sequence:
     return replace(sequence, template=replace(sequence.template, body=human))
 
 
-def _row(part: str, value: float, unit: str) -> dict:
-    return {"metric": f"left_out:{part}", "value": float(value), "unit": unit, "status": OK}
+def _row(part: str, value: float, unit: str) -> Row:
+    return Row(metric=f"{PREFIX}{part}", value=float(value), unit=unit)

@@ -8,6 +8,10 @@ simulator's: the column is there for orientation.
 
 from dataclasses import dataclass
 
+from garmentbench.report.cells import number
+from garmentbench.report.lines import Line
+from garmentbench.report.table import Cell
+
 TABLE_2 = (
     "Table 2. To quantitatively evaluate the generalization ability, we show the average percentage of garment vertices "
     "inter-penetrating the body meshes across different testing motions [trained with walking]"
@@ -72,3 +76,13 @@ def paper_number(garment: str, motion: str, train_frames: int, metric: str, hori
     return next(
         (n for n in PAPER_NUMBERS if (n.garment, n.motion, n.train_frames, n.metric, n.horizon) == wanted), None
     )
+
+
+def paper_cell(line: Line, metric: str, horizon: int | None) -> Cell:
+    """The paper's number beside ours, where it has one: for the full model, by its training length."""
+    if line.method != "motion_guided" or not (line.variant == "full" or line.variant.startswith("train_")):
+        return Cell(note=True)
+    horizons = line.rows.horizon[line.rows.metric == metric]
+    at = horizon if horizon is not None or len(horizons) == 0 else int(horizons.max())
+    found = paper_number(line.garment, line.motion, line.train_frames, metric, at)
+    return Cell(number(found.value) if found else "", note=True)

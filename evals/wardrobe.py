@@ -4,14 +4,15 @@ The over-skirt is predicted from the dress beneath it, which takes the body's pl
 given is the simulated one.
 """
 
-from garmentbench.evals.experiment import FULL, Entry, Experiment
+from garmentbench.evals.comparison import FULL, Comparison, Entry
 
 GARMENTS = ("bodysuit", "pleated_skirt", "dress", "over_skirt")
 WARDROBE = tuple(
-    Experiment(
+    Comparison(
         name=f"wardrobe-{garment}",
         table="table3",
-        train=f"{garment}-armspace-75",
+        title="Wardrobe",
+        train=(f"{garment}-armspace-75",),
         tests=(f"{garment}-armspace-90",),
         entries=(Entry("skinning"), Entry("linear_subspace"), FULL),
     )

@@ -168,7 +168,7 @@ def train(choice: MethodChoice, sources: Sequence[str], preset: Preset, frames: 
             folder.mkdir(exist_ok=True)
             with _foreign_code(run, "fit", choice.method):
                 choice.method.fit(sequences, choice.config, run).save(folder)
-            run.finish({"garment": garment_mesh(sequences[0])})
+            run.finish({"garment": garment_mesh(sequences[0]), "random": choice.random})
     return store.get(run.id)
 
 

@@ -10,20 +10,37 @@ nothing but the discretisation differs. Garments baked at another size would hav
 
 import math
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from garmentbench.evals.convergence.table import CHOSEN, CONVERGENCE, FINEST, ROUNDING
-from garmentbench.evals.rows import about, failed_row
-from garmentbench.evals.study import Study
+from garmentbench.evals.convergence.table import (
+    CHOSEN,
+    CONVERGENCE,
+    FINEST,
+    ROUNDING,
+    convergence_table,
+    studies,
+    trust_table,
+)
+from garmentbench.evals.experiment import Experiment, Work, about, failed_row, first_failure
+from garmentbench.evaluation.results import Row
 from garmentbench.metrics.difference import DIFFERENCES
 from garmentbench.scenes.presets import Preset
 from garmentbench.scenes.scene import Scene, load_scene
 from garmentbench.storage.atomic import written_whole
-from garmentbench.storage.jobs import Failure, Job
+from garmentbench.storage.jobs import Job
 from garmentbench.storage.runs import RunStore, run_id
 
+if TYPE_CHECKING:
+    from garmentbench.report.lines import Results
+    from garmentbench.report.page import Section
+
 FRAMES = 90
+CAPTION = (
+    "Difference from the finest run against substeps (left) and run time (right); lines: what another start and a finer mesh "
+    "change, and a third of the full model's error. The star is the chosen setting."
+)
 SCENES = (
     "tshirt-armspace-90",
     "bodysuit-armspace-90",
@@ -119,13 +136,29 @@ def _scene(name: str, variant: Variant) -> Scene:
     return replace(scene, frames=min(FRAMES, scene.frames), simulation=own | changed)
 
 
-def _jobs(preset: Preset) -> dict[tuple, Job]:
-    """One job a scene and variant; what costs most first."""
-    return {
-        _key(scene, v): Job(_key(scene, v), f"{scene}, {v.name}", simulate_variant, (), (scene, preset, v), _cost(v))
-        for scene in SCENES
-        for v in VARIANTS.values()
-    }
+class Convergence(Experiment):
+    """One job a scene and variant; its plot and second table show the full model's error too."""
+
+    def work(self, preset: Preset, seeds: int) -> Work:
+        wanted = {(CONVERGENCE, scene, v.name): (scene, v) for scene in SCENES for v in VARIANTS.values()}
+        jobs = {
+            key: Job(key, f"{scene}, {v.name}", simulate_variant, (), (scene, preset, v), _cost(v))
+            for key, (scene, v) in wanted.items()
+        }
+        runs = {key: run_id(CONVERGENCE, _identity(scene, preset, v)) for key, (scene, v) in wanted.items()}
+
+        def rows(results: dict) -> list[Row]:
+            return [row for scene, v in wanted.values() for row in _variant_rows(scene, v, preset, results)]
+
+        return Work(jobs, rows, runs)
+
+    def sections(self, results: "Results") -> "list[Section]":
+        from garmentbench.evals.convergence.plot import convergence_plot
+        from garmentbench.report.page import Picture, Section
+
+        found = studies(results)
+        plot = Picture(f"plots/{CONVERGENCE}.svg", CAPTION, convergence_plot(found))
+        return [Section(convergence_table(found), [plot]), Section(trust_table(found))]
 
 
 def _cost(variant: Variant) -> float:
@@ -133,37 +166,22 @@ def _cost(variant: Variant) -> float:
     return 4.0 * variant.substeps * (8 if variant.refined else 1)
 
 
-def _runs(preset: Preset) -> dict[tuple, str]:
-    return {
-        _key(scene, v): run_id(CONVERGENCE, _identity(scene, preset, v)) for scene in SCENES for v in VARIANTS.values()
-    }
-
-
-def _key(scene: str, variant: Variant) -> tuple:
-    return (CONVERGENCE, scene, variant.name)
-
-
-def _rows(preset: Preset, results: dict) -> list[dict]:
-    return [row for scene in SCENES for v in VARIANTS.values() for row in _variant_rows(scene, v, preset, results)]
-
-
-def _variant_rows(scene_name: str, variant: Variant, preset: Preset, results: dict) -> list[dict]:
+def _variant_rows(scene_name: str, variant: Variant, preset: Preset, results: dict) -> list[Row]:
     """The rows of one run: how far it is from the one that it is compared with, and what it cost."""
-    columns = about(CONVERGENCE, preset, load_scene(scene_name), "reference", variant.name, None, 0)
+    columns = about(CONVERGENCE, preset, load_scene(scene_name), "reference", variant=variant.name)
     made, compared = (results[CONVERGENCE, scene_name, name] for name in (variant.name, variant.compared_with))
-    failure = next((r for r in (made, compared) if isinstance(r, Failure)), None)
+    failure = first_failure(made, compared)
     if failure:
-        return [failed_row(columns, failure) | {"metric": "difference"}]
+        return [failed_row(columns, failure, "difference")]
     store = RunStore()
     run, other = store.get(made), store.get(compared)
     positions = np.load(run.folder / POSITIONS)
     values = {"ms_per_frame": (run.results["ms_per_frame"], "ms"), "substeps": (run.results["substeps"], "1")}
     if variant.name != variant.compared_with:
         values |= distances(positions, np.load(other.folder / POSITIONS))
-    columns |= {"horizon": len(positions), "run_id": run.id} | {
-        k: run.results[k] for k in ("status", "first_bad_frame")
-    }
-    return [columns | {"metric": name, "value": float(value), "unit": unit} for name, (value, unit) in values.items()]
+    ended = {key: run.results[key] for key in ("status", "first_bad_frame")}
+    columns = replace(columns, horizon=len(positions), run_id=run.id, **ended)
+    return [replace(columns, metric=name, value=float(v), unit=unit) for name, (v, unit) in values.items()]
 
 
 def distances(positions: np.ndarray, others: np.ndarray) -> dict[str, tuple[float, str]]:
@@ -172,4 +190,4 @@ def distances(positions: np.ndarray, others: np.ndarray) -> dict[str, tuple[floa
     return {m.name: (m.compute(positions, others) if whole else math.nan, m.unit) for m in DIFFERENCES}
 
 
-STUDY = Study(CONVERGENCE, _jobs, _rows, _runs)
+STUDY = Convergence(name=CONVERGENCE, table=CONVERGENCE, title="Convergence of the reference", on_request=True)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from garmentbench.report.cells import ABSENT, number, status_cell, value_cell
-from garmentbench.report.lines import Line, lines
+from garmentbench.report.lines import Line, Results
 from garmentbench.report.table import Cell, Table
 
 if TYPE_CHECKING:
@@ -79,14 +79,14 @@ def observed_order(error_1: float, error_4: float) -> float:
     return math.log2((math.sqrt(4 * error_1 / error_4 - 3) - 1) / 2)
 
 
-def studies(results: "pandas.DataFrame") -> list[SceneStudy]:
+def studies(results: Results) -> list[SceneStudy]:
     """The study of each scene, with the full model's error on that scene, or else its smallest on that garment."""
-    found = lines(results, CONVERGENCE)
+    found = results.lines(CONVERGENCE)
     made = []
     for scene in dict.fromkeys(line.scene for line in found):
         by_variant = {line.variant: line for line in found if line.scene == scene}
         garment = next(iter(by_variant.values())).garment
-        made.append(SceneStudy(scene, garment, by_variant, *_model_error(results, scene, garment)))
+        made.append(SceneStudy(scene, garment, by_variant, *_model_error(results.table, scene, garment)))
     return made
 
 

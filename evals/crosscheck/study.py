@@ -14,12 +14,11 @@ import numpy as np
 from garmentbench.evals.convergence.study import SCENES  # one a garment
 from garmentbench.evals.crosscheck.match_material import match
 from garmentbench.evals.crosscheck.model import VbdSettings
-from garmentbench.evals.crosscheck.table import CROSSCHECK, ENGINE
+from garmentbench.evals.crosscheck.table import CROSSCHECK, ENGINE, crosscheck_table
 from garmentbench.evals.crosscheck.vbd import drive_vbd, require_newton
-from garmentbench.evals.rows import about, failed_row
-from garmentbench.evals.study import Study
+from garmentbench.evals.experiment import Experiment, Work, about, failed_row, named
 from garmentbench.evaluation.results import Row
-from garmentbench.evaluation.rollout import OK, ROLL_OUT, RollOut
+from garmentbench.evaluation.rollout import ROLL_OUT, RollOut
 from garmentbench.geometry.mesh import edge_lengths, unique_edges
 from garmentbench.metrics import Motion, metric, scores
 from garmentbench.metrics.difference import DIFFERENCES
@@ -34,9 +33,12 @@ from garmentbench.storage.jobs import Failure, Job
 from garmentbench.storage.runs import Run, RunStore, run_id
 
 if TYPE_CHECKING:
+    from garmentbench.report.lines import Results
+    from garmentbench.report.page import Section
     from garmentbench.simulation.outfit import Outfit
 
 FRAMES = 60
+CAPTION = "Frames of {scene}: the reference above, below it the other engine, coloured by how far they are apart."
 POSITIONS = "positions.npy"
 
 
@@ -183,36 +185,54 @@ def _key(scene: str, variant: Variant) -> tuple:
     return (CROSSCHECK, scene, variant.name)
 
 
-def _jobs(preset: Preset) -> dict[tuple, Job]:
-    """One job a scene and variant; what shares its run of the other engine with the plain comparison waits for that."""
-    jobs = {}
-    for scene, v in _comparisons():
-        key, name, plain = _key(scene, v), f"cross-check {scene}, {v.name}", _key(scene, VARIANTS[0])
-        after = (plain,) if key != plain and v.substeps == 1 else ()
-        jobs[key] = Job(key, name, compare, (), (scene, preset, v), 60.0 * v.substeps, after)
-    return jobs
+class CrossCheck(Experiment):
+    """One job a scene and variant."""
+
+    def require(self) -> None:
+        require_newton()
+
+    def work(self, preset: Preset, seeds: int) -> Work:
+        jobs, runs = {}, {}
+        for scene, v in _comparisons():
+            key, name, plain = _key(scene, v), f"cross-check {scene}, {v.name}", _key(scene, VARIANTS[0])
+            after = (plain,) if key != plain and v.substeps == 1 else ()  # it shares the other engine's run with that
+            jobs[key] = Job(key, name, compare, (), (scene, preset, v), 60.0 * v.substeps, after)
+            runs[key] = run_id(CROSSCHECK, _identity(scene, preset, v))
+
+        def rows(results: dict) -> list[Row]:
+            return [row for scene, v in _comparisons() for row in _variant_rows(scene, v, preset, results)]
+
+        return Work(jobs, rows, runs)
+
+    def sections(self, results: "Results") -> "list[Section]":
+        from garmentbench.report.page import Picture, Section
+        from garmentbench.report.strips import frame_strip
+
+        lines = results.lines(self.table)
+        pictures = [
+            Picture(
+                f"strips/{CROSSCHECK}-{line.scene}.jpg",
+                CAPTION.format(scene=line.scene),
+                frame_strip([line], results.excerpt),
+            )
+            for line in lines
+            if line.variant == "full" and line.run_ids
+        ]
+        return [Section(crosscheck_table(lines), pictures, lines=lines)]
 
 
-def _runs(preset: Preset) -> dict[tuple, str]:
-    return {_key(scene, v): run_id(CROSSCHECK, _identity(scene, preset, v)) for scene, v in _comparisons()}
-
-
-def _rows(preset: Preset, results: dict) -> list[dict]:
-    return [row for scene, v in _comparisons() for row in _variant_rows(scene, v, preset, results)]
-
-
-def _variant_rows(scene: str, variant: Variant, preset: Preset, results: dict) -> list[dict]:
+def _variant_rows(scene: str, variant: Variant, preset: Preset, results: dict) -> list[Row]:
     """The rows of one comparison, and how well the strips agree [%]."""
-    columns = about(CROSSCHECK, preset, load_scene(scene), ENGINE, variant.name, None, 0)
+    columns = about(CROSSCHECK, preset, load_scene(scene), ENGINE, variant=variant.name)
     result = results[_key(scene, variant)]
     if isinstance(result, Failure):
-        return [failed_row(columns, result) | {"metric": "difference"}]
+        return [failed_row(columns, result, "difference")]
     run = RunStore().get(result)
     strips = [
-        {"metric": f"match_{name}", "value": 100 * abs(value), "unit": "%", "status": OK}
+        {"metric": f"match_{name}", "value": 100 * abs(value), "unit": "%"}
         for name, value in run.results["match"].items()
     ]
-    return [columns | row | {"horizon": FRAMES, "run_id": run.id} for row in run.results["rows"] + strips]
+    return [named(row | {"horizon": FRAMES}, columns, run.id) for row in run.results["rows"] + strips]
 
 
-STUDY = Study(CROSSCHECK, _jobs, _rows, _runs, require_newton)
+STUDY = CrossCheck(name=CROSSCHECK, table=CROSSCHECK, title="Cross-check", on_request=True)

@@ -1,12 +1,14 @@
 """How the motions are distributed, in the manner of figure 5: the T-shirt's scenes on the base body, without any cloth."""
 
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
 import numpy as np
 
+from garmentbench.evals.experiment import Experiment, Work, about, failed_row
 from garmentbench.evals.motions.distribution import embed, nearest_cm, poses
-from garmentbench.evals.motions.table import APART, MOTIONS, POINTS, TRAINED, motion_label
-from garmentbench.evals.rows import about, failed_row
-from garmentbench.evals.study import Study
-from garmentbench.evaluation.rollout import OK
+from garmentbench.evals.motions.table import APART, MOTIONS, POINTS, TRAINED, motion_label, motions_table, read_points
+from garmentbench.evaluation.results import Row
 from garmentbench.scenes.choice import choose_scenes
 from garmentbench.scenes.presets import Preset
 from garmentbench.scenes.scene import Scene, load_scene
@@ -15,8 +17,13 @@ from garmentbench.storage.fingerprint import fingerprint
 from garmentbench.storage.jobs import Failure, Job
 from garmentbench.storage.runs import RunStore, run_id
 
+if TYPE_CHECKING:
+    from garmentbench.report.lines import Results
+    from garmentbench.report.page import Section
+
 CHOICE = ("tshirt-*", "body=base")
 KEY = (MOTIONS,)
+CAPTION = "Poses of all motions, nearest ones side by side (t-SNE). Large: what methods are trained on."
 
 
 def distribute(preset: Preset) -> str:
@@ -55,24 +62,32 @@ def _identity(preset: Preset) -> dict:
     }
 
 
-def _rows(preset: Preset, results: dict) -> list[dict]:
+class MotionMap(Experiment):
+    """One job, a table and a map."""
+
+    def work(self, preset: Preset, seeds: int) -> Work:
+        job = Job(KEY, "distribution of motions", distribute, arguments=(preset,), cost=20.0)
+        return Work({KEY: job}, lambda results: _rows(preset, results[KEY]), {KEY: run_id(MOTIONS, _identity(preset))})
+
+    def sections(self, results: "Results") -> "list[Section]":
+        from garmentbench.evals.motions.plot import motions_plot
+        from garmentbench.report.page import Picture, Section
+
+        lines, points = results.lines(self.table), read_points(results)
+        pictures = [Picture(f"plots/{MOTIONS}.svg", CAPTION, motions_plot(points))] if points else []
+        return [Section(motions_table(lines), pictures)]
+
+
+def _rows(preset: Preset, made: str | Failure) -> list[Row]:
     rows = []
     for scene in _scenes():
-        columns = about(MOTIONS, preset, scene, "reference", "full", None, 0)
-        made = results[KEY]
+        columns = about(MOTIONS, preset, scene, "reference")
         if isinstance(made, Failure):
             rows.append(failed_row(columns, made))
             continue
-        columns |= {"unit": "cm", "status": OK, "run_id": made}
         measured = RunStore().get(made).results[motion_label(scene.name)]
-        rows += [columns | {"metric": APART + name, "value": cm} for name, cm in measured.items()]
+        rows += [replace(columns, metric=APART + n, value=cm, unit="cm", run_id=made) for n, cm in measured.items()]
     return rows
 
 
-STUDY = Study(
-    MOTIONS,
-    jobs=lambda preset: {KEY: Job(KEY, "distribution of motions", distribute, arguments=(preset,), cost=20.0)},
-    rows=_rows,
-    runs=lambda preset: {KEY: run_id(MOTIONS, _identity(preset))},
-    always=True,
-)
+STUDY = MotionMap(name=MOTIONS, table=MOTIONS, title="Motions")

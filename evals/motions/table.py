@@ -1,18 +1,13 @@
 """The motions' table: how far each is from those that methods are trained on."""
 
 import math
-from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from garmentbench.errors import UserError
 from garmentbench.report.cells import ABSENT, number, status_cell
-from garmentbench.report.lines import lines
+from garmentbench.report.lines import Line, Results
 from garmentbench.report.table import Cell, Table
-
-if TYPE_CHECKING:
-    import pandas
 
 MOTIONS = "motions"
 POINTS = "motions.npz"  # in the run's folder: a motion's points on the plane, shape (poses, 2), under its label
@@ -25,10 +20,10 @@ def motion_label(scene: str) -> str:
     return scene.split("-", 1)[-1]
 
 
-def motions_table(results: "pandas.DataFrame") -> Table:
+def motions_table(lines: list[Line]) -> Table:
     """Distances of each motion's poses from the nearest training pose; those trained on first, then the nearest first."""
     rows = []
-    for line in lines(results, MOTIONS):
+    for line in lines:
         values = [line.value(APART + name) for name in TRAINED]
         apart = [math.nan if value is None else value.mean for value in values]
         rows.append((line.rows.split.iloc[0], min(apart), line, apart))
@@ -52,15 +47,15 @@ def _distance(cm: float) -> Cell:
     return Cell(ABSENT if math.isnan(cm) else number(cm))
 
 
-def read_points(results: "pandas.DataFrame", runs_root: Path) -> dict[str, tuple[str, np.ndarray]]:
+def read_points(results: Results) -> dict[str, tuple[str, np.ndarray]]:
     """Each motion's split and points on the plane, shape (poses, 2); none where it failed.
 
     Raises `UserError` where the run is missing.
     """
-    rows = results[(results.experiment == MOTIONS) & (results.status == "ok")]
+    rows = results.table[(results.table.experiment == MOTIONS) & (results.table.status == "ok")]
     if len(rows) == 0:
         return {}
-    path = runs_root / rows.run_id.iloc[0] / POINTS
+    path = results.runs_root / rows.run_id.iloc[0] / POINTS
     if not path.is_file():
         raise UserError(f"{path}: named in results.csv, but missing; `garmentbench evals {MOTIONS}` makes it")
     with np.load(path) as file:

@@ -2,7 +2,6 @@
 
 import math
 
-from garmentbench.evals.paper_numbers import paper_number
 from garmentbench.metrics import metric
 from garmentbench.report.lines import Line, Value
 from garmentbench.report.table import Cell
@@ -48,20 +47,21 @@ def status_cell(line: Line) -> Cell:
     return Cell("; ".join(f"{endings.count(e)} {e}" for e in dict.fromkeys(endings)), bad=True)
 
 
-def paper_cell(line: Line, metric: str, horizon: int) -> Cell:
-    """The paper's number beside ours, where it has one: for the full model, by its training length."""
-    if line.method != "motion_guided" or not (line.variant == "full" or line.variant.startswith("train_")):
-        return Cell(note=True)
-    found = paper_number(line.garment, line.motion, line.train_frames, metric, horizon)
-    return Cell(number(found.value) if found else "", note=True)
-
-
 def best(values: list[Value | None], name: str) -> Value | None:
-    """The best of a metric's values, if it is so by more than the reference's uncertainty; None if none is, or where
-    that isn't known. What failed in some seeds doesn't compete."""
+    """The value that is better than every other beyond doubt; None where there is none.
+
+    Beyond doubt: the two differ by more than the reference's uncertainty, their intervals over the seeds do not overlap,
+    and neither comes from a single training with chance in it, of which nobody knows how far another would move it.
+    What failed in some seeds doesn't compete; where the uncertainty isn't known nothing is best.
+    """
     merit = {"low": lambda x: -x, "high": lambda x: x, "one": lambda x: -abs(x - 1.0)}[metric(name).best]
     running = [v for v in values if v is not None and not v.endings]
-    if len(running) < 2:
+    if len(running) < 2 or not all(v.settled for v in running):
         return None
-    first, second = sorted(running, key=lambda v: -merit(v.mean))[:2]
-    return first if abs(first.mean - second.mean) > first.uncertainty else None  # no where the uncertainty is NaN
+    first, *others = sorted(running, key=lambda v: -merit(v.mean))
+    clear = all(abs(first.mean - v.mean) > max(first.uncertainty, _both_intervals(first, v)) for v in others)
+    return first if clear and not math.isnan(first.uncertainty) else None
+
+
+def _both_intervals(one: Value, other: Value) -> float:
+    return (one.interval or 0.0) + (other.interval or 0.0)

@@ -1,9 +1,12 @@
-"""results.csv as the report reads it: lines of a table, each with its values over the seeds."""
+"""What a report is made from: results.csv, as lines of tables with their values over the seeds, and the runs it names."""
 
+import json
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,10 +16,11 @@ from garmentbench.evaluation.results import COLUMNS
 if TYPE_CHECKING:
     import pandas
 
-ADDED = ("train_scenes", "note")  # columns that reports made before them lack
-TRAINING_LENGTH = "table4"  # the experiment that compares training lengths
+    from garmentbench.evaluation.excerpt import Material
+
+NUMBERS = ("train_frames", "seed", "horizon", "value", "reference_value", "uncertainty", "first_bad_frame")
 REFERENCE = "reference"  # the method name of the reference simulation's own lines
-METHOD_ORDER = ("reference", "skinning", "hold", "constant_velocity", "linear_subspace")
+ADDED = ("train_scenes", "note")  # columns that an older results.csv lacks
 
 
 @dataclass(frozen=True)
@@ -30,6 +34,7 @@ class Value:
         seeds: How many seeds there are.
         reference: The reference's own value, or NaN.
         uncertainty: The reference's uncertainty [cm], or NaN.
+        settled: Is it known how far another training would change it? Not where chance was in the only one.
     """
 
     mean: float
@@ -38,11 +43,18 @@ class Value:
     seeds: int
     reference: float
     uncertainty: float
+    settled: bool = True
 
 
 @dataclass(frozen=True)
 class Line:
-    """One line of a table: a method's variant, trained on so many frames, on a scene. `rows`: all it has in results.csv."""
+    """One line of a table: a method's variant, trained on so many frames of some scenes, on a scene.
+
+    Attributes:
+        label: Its name for people, e.g. "motion-guided, fixed weights".
+        random: Does chance decide what the method learns?
+        rows: All it has in results.csv.
+    """
 
     experiment: str
     scene: str
@@ -50,14 +62,11 @@ class Line:
     motion: str
     method: str
     variant: str
+    train_scenes: str
     train_frames: int | None
     rows: "pandas.DataFrame"
-
-    @property
-    def label(self) -> str:
-        """Its name for people, e.g. "motion-guided, fixed weights"; where training lengths are compared, with its own."""
-        own = self.experiment == TRAINING_LENGTH and self.variant == "full" and self.train_frames is not None
-        return label(self.method, f"train_{self.train_frames}" if own else self.variant)
+    random: bool = False
+    label: str = ""
 
     def value(self, metric: str, horizon: int | None = None) -> Value | None:
         """A metric's value, at a horizon or at the longest; None where it was not measured at all."""
@@ -66,7 +75,7 @@ class Line:
             return None
         at = rows.horizon.max() if horizon is None else horizon
         rows = rows[(rows.horizon == at) | rows.horizon.isna()]
-        return _value(rows) if len(rows) else None
+        return _value(rows, self.random) if len(rows) else None
 
     @property
     def endings(self) -> list[str]:
@@ -80,48 +89,82 @@ class Line:
         return [i for i in self.rows.sort_values("seed").run_id.unique() if i and not i.startswith("(")]
 
 
-def label(method: str, variant: str) -> str:
-    """A method's name for people."""
-    name = "motion-guided" if method == "motion_guided" else method.replace("_", " ")
-    return name if variant in ("", "full") else f"{name}, {variant.replace('_', ' ')}"
+def label(line: Line) -> str:
+    """A line's name for people."""
+    name = line.method.replace("motion_guided", "motion-guided").replace("_", " ")
+    return name if line.variant in ("", "full") else f"{name}, {line.variant.replace('_', ' ')}"
+
+
+def order(line: Line) -> tuple:
+    """Lines of a method together, its full variant first, then by training length."""
+    plain = line.variant == "full"
+    return line.method != REFERENCE, line.method, not plain, line.train_frames or 0, line.variant, line.scene
+
+
+class Results:
+    """results.csv and the runs that it names.
+
+    Attributes:
+        table: results.csv.
+        runs_root: The folder of all runs.
+    """
+
+    def __init__(self, table: "pandas.DataFrame", runs_root: Path) -> None:
+        self.table, self.runs_root = table, runs_root
+        self.excerpt, self.record = cache(self._excerpt), cache(self._record)
+
+    @property
+    def experiments(self) -> list[str]:
+        """Names of the experiments in results.csv."""
+        return list(dict.fromkeys(self.table.experiment))
+
+    def lines(
+        self, experiment: str, label: Callable[[Line], str] = label, order: Callable[[Line], tuple] = order
+    ) -> list[Line]:
+        """The lines of an experiment, in that order, under these names."""
+        keys = ["experiment", "scene", "garment", "motion", "method", "variant", "train_scenes", "train_frames"]
+        rows = self.table[self.table.experiment == experiment]
+        lines = []
+        for key, group in rows.groupby(keys, dropna=False, sort=True):
+            line = Line(*key[:-1], None if math.isnan(key[-1]) else int(key[-1]), group)
+            trained = next((self.training(run) for run in line.run_ids), {})
+            random = trained.get("results", {}).get("random", line.method != REFERENCE)
+            lines.append(replace(line, random=random, label=label(line)))
+        return sorted(lines, key=order)
+
+    def training(self, run: str) -> dict[str, Any]:
+        """What the run.json of an evaluation's training says; nothing where there is none."""
+        trained = self.record(run).get("identity", {}).get("trained")
+        return self.record(trained) if trained else {}
+
+    def _record(self, run: str) -> dict[str, Any]:
+        """What a run's run.json says; nothing where it is missing."""
+        path = self.runs_root / run / "run.json"
+        return json.loads(path.read_text()) if path.is_file() else {}
+
+    def _excerpt(self, run: str) -> "Material":
+        """What a run's roll-out looks like. Raises `UserError` where it is damaged."""
+        from garmentbench.evaluation.excerpt import read_material
+
+        return read_material(self.runs_root / run)
 
 
 def read_results(path: Path) -> "pandas.DataFrame":
-    """Read results.csv. Raises `UserError` where it is missing or not what `make evals` writes."""
+    """Read results.csv. Raises `UserError` where it is missing or not what `garmentbench evals` writes."""
     import pandas
 
     if not path.is_file():
         raise UserError(f"{path}: no results yet; `make evals PRESET={path.parent.name}` makes them")
-    numbers = {"train_frames", "seed", "horizon", "value", "reference_value", "uncertainty", "first_bad_frame"}
-    table = pandas.read_csv(path, dtype={column: str for column in COLUMNS if column not in numbers})
-    table = table.assign(**{column: "" for column in ADDED if column not in table.columns})
-    missing = [c for c in COLUMNS if c not in table.columns]
+    words = [column for column in COLUMNS if column not in NUMBERS]
+    table = pandas.read_csv(path, dtype=dict.fromkeys(words, str))
+    missing = [c for c in COLUMNS if c not in table.columns and c not in ADDED]
     if missing:
         raise UserError(f"{path}: lacks the column '{missing[0]}'; run `make evals PRESET={path.parent.name}` again")
-    return table.fillna({column: "" for column in ("variant", "body", "status", "run_id", *ADDED)})
+    table = table.reindex(columns=COLUMNS)
+    return table.assign(**{column: table[column].astype(object).fillna("") for column in words})
 
 
-def lines(results: "pandas.DataFrame", experiment: str, scene: str | None = None) -> list[Line]:
-    """Lines of an experiment (of one scene), in the order of the tables: simple methods first, full before variants."""
-    rows = results[results.experiment == experiment]
-    rows = rows if scene is None else rows[rows.scene == scene]
-    keys = ["experiment", "scene", "garment", "motion", "method", "variant", "train_frames"]
-    found = [
-        Line(*key[:-1], None if math.isnan(key[-1]) else int(key[-1]), group)
-        for key, group in rows.groupby(keys, dropna=False, sort=True)
-    ]
-    return sorted(found, key=_order)
-
-
-def _order(line: Line) -> tuple:
-    known = METHOD_ORDER.index(line.method) if line.method in METHOD_ORDER else len(METHOD_ORDER)
-    length = line.train_frames or 0
-    if line.experiment == TRAINING_LENGTH:
-        return known, line.method, length, line.variant, line.scene
-    return known, line.method, line.variant != "full", length, line.variant, line.scene
-
-
-def _value(rows: "pandas.DataFrame") -> Value:
+def _value(rows: "pandas.DataFrame", random: bool) -> Value:
     finite = rows.value[np.isfinite(rows.value)].to_numpy()
     ended = rows[~np.isfinite(rows.value)]
     return Value(
@@ -131,6 +174,7 @@ def _value(rows: "pandas.DataFrame") -> Value:
         seeds=len(rows),
         reference=float(rows.reference_value.iloc[0]),
         uncertainty=float(rows.uncertainty.iloc[0]),
+        settled=len(finite) > 1 or not random,
     )
 
 

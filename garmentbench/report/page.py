@@ -1,29 +1,39 @@
 """The page: index.html, which needs no network."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib.resources import files
 
 from jinja2 import Environment
 from markupsafe import Markup
 
-from garmentbench.report.table import NOTICE, Table, html_table
+from garmentbench.report.lines import Line
+from garmentbench.report.table import NOTICE, Table, write
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture of the report: its file, relative to the page, and what it shows."""
+    """A picture of the report: its file, relative to the page, what it shows, and the file's content."""
 
     path: str
     caption: str
+    content: bytes = field(repr=False)
 
 
 @dataclass(frozen=True)
 class Section:
-    """A part of the page: a table, and the pictures and further files (relative to the page) that go with it."""
+    """A part of the page.
+
+    Attributes:
+        table: Its table.
+        pictures: What stands below it.
+        files: Further files that go with it, by their paths relative to the page.
+        lines: The lines that it is about, whose runs are listed with it.
+    """
 
     table: Table
-    pictures: list[Picture]
-    files: list[str]
+    pictures: list[Picture] = field(default_factory=list)
+    files: dict[str, bytes] = field(default_factory=dict)
+    lines: list[Line] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -36,9 +46,27 @@ class Ended:
     message: str
 
 
-def page(preset: str, sections: list[Section], ended: list[Ended], made_on: list[str]) -> str:
-    """The page of a preset's report. `made_on`: the machines that the runs name."""
+def page(
+    name: str,
+    command: str,
+    made_on: list[str],
+    sections: list[Section],
+    runs: dict[str, Section],
+    ended: list[Ended],
+) -> str:
+    """The page of a report.
+
+    Args:
+        name: The report's.
+        command: What makes all of it.
+        made_on: The machines that the runs name.
+        sections: Its parts.
+        runs: The runs behind a part, by the name of its table.
+        ended: Lines that did not end well.
+    """
     environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    environment.filters["table"] = lambda table: Markup(write(table, "html"))
     template = environment.from_string(files("garmentbench.report").joinpath("page.html.j2").read_text("utf-8"))
-    shown = [(section, Markup(html_table(section.table))) for section in sections]
-    return template.render(preset=preset, sections=shown, ended=ended, made_on=made_on, notice=NOTICE)
+    return template.render(
+        name=name, command=command, made_on=made_on, sections=sections, runs=runs, ended=ended, notice=NOTICE
+    )

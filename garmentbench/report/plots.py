@@ -10,6 +10,8 @@ from matplotlib.figure import Figure
 from garmentbench.report.lines import Line
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from matplotlib.axes import Axes
 
     from garmentbench.evaluation.excerpt import Material
@@ -45,7 +47,7 @@ def style(lines: list[Line]) -> dict[str, tuple[str, str]]:
     }
 
 
-def error_over_frames(lines: list[Line], materials: dict[str, "Material"]) -> bytes:
+def error_over_frames(lines: list[Line], excerpt: "Callable[[str], Material]") -> bytes:
     """Mean error of each frame of the roll-outs, on a logarithmic scale; a cross where one ended early."""
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(9, 3.8), layout="constrained")
@@ -53,7 +55,7 @@ def error_over_frames(lines: list[Line], materials: dict[str, "Material"]) -> by
         looks = style(lines)
         for line in lines:
             for run in line.run_ids:
-                _draw_error(axes, materials[run], line.label if run == line.run_ids[0] else None, looks[line.label][0])
+                _draw_error(axes, excerpt(run), line.label if run == line.run_ids[0] else None, looks[line.label][0])
         logarithmic(axes.yaxis)
         _floor(axes, lines)
         axes.set(xlabel="frame", ylabel="mean error [cm]")

@@ -13,6 +13,8 @@ from garmentbench.report.lines import Line
 from garmentbench.viewing.render import CLOTH, ERROR_COLOURS, ERROR_SCALE_CM, RenderMesh, error_colours, render
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from garmentbench.evaluation.excerpt import Material
 
 WIDTH, HEIGHT = 170, 210  # of one picture [pixels]
@@ -35,25 +37,25 @@ class Shot:
     ending: str = ""
 
 
-def frame_strip(lines: list[Line], materials: dict[str, "Material"]) -> bytes:
+def frame_strip(lines: list[Line], excerpt: "Callable[[str], Material]") -> bytes:
     """Reference and methods over time, on one scene; of each method its first seed. A JPEG. lines: with a run each."""
-    first = materials[lines[0].run_ids[0]]
+    first = excerpt(lines[0].run_ids[0])
     columns = range(len(first.frames))
     rows: list[list[Shot | None]] = [[Shot(first, k, predicted=False) for k in columns]]
     for line in lines:
-        rows.append([Shot(materials[line.run_ids[0]], k, ending=line.endings[0]) for k in columns])
+        rows.append([Shot(excerpt(line.run_ids[0]), k, ending=line.endings[0]) for k in columns])
     return _sheet(rows, ["reference", *(line.label for line in lines)], [f"frame {f}" for f in first.frames])
 
 
-def stress_strip(cases: dict[str, list[Line]], materials: dict[str, "Material"]) -> bytes:
+def stress_strip(cases: dict[str, list[Line]], excerpt: "Callable[[str], Material]") -> bytes:
     """Reference and methods in every stress case, at the same point of the roll-out. A JPEG. cases: name -> lines."""
     labels = list(dict.fromkeys(line.label for lines in cases.values() for line in lines))
     rows: list[list[Shot | None]] = [[] for _ in range(1 + len(labels))]
     for lines in cases.values():
-        first = materials[lines[0].run_ids[0]]
+        first = excerpt(lines[0].run_ids[0])
         at = min(STRESS_COLUMN, len(first.frames) - 1)
         rows[0].append(Shot(first, at, predicted=False, ending="not finite"))
-        by_label = {line.label: Shot(materials[line.run_ids[0]], at, ending=line.endings[0]) for line in lines}
+        by_label = {line.label: Shot(excerpt(line.run_ids[0]), at, ending=line.endings[0]) for line in lines}
         for row, label in zip(rows[1:], labels, strict=True):
             row.append(by_label.get(label))
     return _sheet(rows, ["reference", *labels], list(cases))

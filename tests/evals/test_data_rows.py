@@ -5,12 +5,14 @@ from dataclasses import replace
 import pandas
 
 from garmentbench import sequence_file
-from garmentbench.evals.data import cards_in
-from garmentbench.evals.rows import merged, write_results
-from garmentbench.evals.run import _data_rows
+from garmentbench.evals.data import CARDS, cards_in
+from garmentbench.evals.run import merged, write_results
 from garmentbench.evaluation.toy import tiny_sequence
 from garmentbench.report.lines import read_results
+from garmentbench.scenes.presets import preset
 from garmentbench.storage.jobs import Failure
+
+SMOKE = preset("smoke")
 
 
 def test_cards_reach_results_and_stay_when_other_experiments_are_made_again(tmp_path):
@@ -25,10 +27,10 @@ def test_cards_reach_results_and_stay_when_other_experiments_are_made_again(tmp_
         }
         sequence_file.save(replace(tiny_sequence(20), info=info), tmp_path / f"{name}.h5")
         results["sequence", name] = tmp_path / f"{name}.h5"
-    rows = _data_rows(results)
+    rows = CARDS.work(SMOKE, 1).rows(results)
     path = tmp_path / "results.csv"
     write_results(path, rows)
-    again = merged(path, _data_rows({("sequence", "b"): tmp_path / "b.h5"}))
+    again = merged(path, CARDS.work(SMOKE, 1).rows({("sequence", "b"): tmp_path / "b.h5"}))
     assert len(again) == len(rows)
     write_results(path, again)
     cards = cards_in(read_results(path))

@@ -55,11 +55,11 @@ def write_example(root: Path, frames: int = 160) -> None:
         rows += measured("stick", STICK, method, "full", 0, error, run, human=False)
     rows += _stability(runs, walk)
     rows += [
-        row("needs", STICK, "motion_guided", "full", 0, "left_out:collision_stage", FRAMES, 21.5, "ms"),
-        row("needs", STICK, "motion_guided", "full", 0, "left_out:collision_stage", FRAMES, 1.25, "MB"),
-        row("needs", STICK, "motion_guided", "full", 0, "left_out:body_sdf", FRAMES, 1840000, "parameters"),
+        row("left_out", STICK, "motion_guided", "full", 0, "left_out:collision_stage", FRAMES, 21.5, "ms"),
+        row("left_out", STICK, "motion_guided", "full", 0, "left_out:collision_stage", FRAMES, 1.25, "MB"),
+        row("left_out", STICK, "motion_guided", "full", 0, "left_out:body_sdf", FRAMES, 1840000, "parameters"),
     ]
-    rows += card_rows(card_of(replace(walk, info=SIMULATED)))
+    rows += map(vars, card_rows(card_of(replace(walk, info=SIMULATED))))
     write_results(root / "reports" / "laptop" / "results.csv", rows)
 
 
@@ -116,9 +116,22 @@ def write_run(runs: Path, sequence, name: str, error_cm: float, bad: int | None 
     write_material(
         folder, sequence, RollOut(ROLL_OUT, 3, garment, None, np.ones((len(sequence), 3)), status, bad, message)
     )
-    record = {"results": {"message": message}, "machine": {"cpu": "Example CPU", "cuda": None, "threads": 1}}
-    (folder / "run.json").write_text(json.dumps(record))
+    learned = "full" in name or "train" in name
+    about = {"method": name, "variant": "full", "train_scenes": ["tshirt-armspace-75"], "train_frames": 300, "seed": 0}
+    _record(folder, about | {"trained": f"training-of-{name}", "scene": "a", "preset": "laptop"}, {"message": message})
+    training = runs / f"training-of-{name}"
+    training.mkdir()
+    _record(training, about | {"config": {"width": 16, "steps": {"stage1": 3}}}, {"random": learned})
+    if learned:
+        log = "".join(json.dumps({"step": s, "total": 1 / (1 + s)}) + "\n" for s in range(120))
+        (training / "metrics.jsonl").write_text(log)
     return name
+
+
+def _record(folder: Path, identity: dict, results: dict) -> None:
+    machine = {"cpu": "Example CPU", "cuda": None, "threads": 1}
+    record = {"id": folder.name, "kind": folder.name.split("-")[0], "identity": identity, "stages": [], "seed": 0}
+    (folder / "run.json").write_text(json.dumps(record | {"results": results, "machine": machine}))
 
 
 def measured(experiment, scene, method, variant, seed, error, run, bad=None, human=True, before=True, train_frames=300):
@@ -194,6 +207,7 @@ def row(
         "status": status,
         "first_bad_frame": bad,
         "run_id": run,
+        "train_scenes": "tshirt-armspace-75",
     }
 
 

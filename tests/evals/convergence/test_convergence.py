@@ -80,27 +80,27 @@ def results(tmp_path_factory):
 
 
 def test_rows_of_a_real_study(results):
-    rows = convergence.STUDY.rows(SMOKE, results)
-    values = {(r["variant"], r["metric"]): r["value"] for r in rows}
+    rows = convergence.STUDY.work(SMOKE, 1).rows(results)
+    values = {(r.variant, r.metric): r.value for r in rows}
     assert {v for v, _ in values} == set(VARIANTS)
     assert values[FINEST, "substeps"] == 8 * values[CHOSEN, "substeps"]
     assert 0 < values["substeps_x2", "difference"] < 1.0 and (FINEST, "difference") not in values
     assert 0 < values["mesh_fine", "difference"] < 5.0
     assert values["mesh_fine", "substeps"] > values[CHOSEN, "substeps"]
-    assert all(r["method"] == "reference" and r["run_id"] for r in rows)
-    assert {r["status"] for r in rows} == {
+    assert all(r.method == "reference" and r.run_id for r in rows)
+    assert {r.status for r in rows} == {
         "ok",
         "failed",
     }  # the push of 1 cm strains it by 20 % for a frame of the warm-up
 
 
 def test_a_failed_run_keeps_its_row(results):
-    row = next(r for r in convergence.STUDY.rows(SMOKE, results) if r["variant"] == "substeps_x4")
-    assert row["status"] == "failed" and math.isnan(row["value"]) and "no such luck" in row["run_id"]
+    row = next(r for r in convergence.STUDY.work(SMOKE, 1).rows(results) if r.variant == "substeps_x4")
+    assert row.status == "failed" and math.isnan(row.value) and "no such luck" in row.run_id
 
 
 def test_what_is_finished_is_reused_and_found_without_running(results):
     again = simulate_variant(SHEET, SMOKE, VARIANTS[CHOSEN])
     assert again == results["convergence", SHEET, CHOSEN]
-    expected = convergence.STUDY.runs(SMOKE)
+    expected = convergence.STUDY.work(SMOKE, 1).runs
     assert all(expected[key] == run for key, run in results.items() if not isinstance(run, Failure))

@@ -2,7 +2,6 @@
 
 import math
 
-import pandas
 import pytest
 from report_example import WALK, row, write_results, write_run
 
@@ -10,8 +9,8 @@ from garmentbench.evals.convergence.plot import convergence_plot
 from garmentbench.evals.convergence.table import CHOSEN, FINEST, convergence_table, observed_order, studies, trust_table
 from garmentbench.evals.report import make_report
 from garmentbench.evaluation.toy import tiny_sequence
-from garmentbench.report.lines import read_results
-from garmentbench.report.table import markdown
+from garmentbench.report.lines import Results, read_results
+from garmentbench.report.table import write
 
 DRESS = WALK | {"scene": "dress-armspace-90", "garment": "dress"}
 STEP = {CHOSEN: 0.7, "substeps_x2": 0.3, "substeps_x4": 0.1}  # C (1/k - 1/8), C = 0.8: first order
@@ -40,9 +39,13 @@ def model_rows(error: float, scene: dict = WALK, run: str = "") -> list[dict]:
     return [row("baselines", scene, "motion_guided", "full", 0, "rollout_l2", h, e, "cm", run=run) for h, e in values]
 
 
-def read(tmp_path, rows) -> pandas.DataFrame:
+def markdown(table) -> str:
+    return write(table, "md")
+
+
+def read(tmp_path, rows) -> Results:
     write_results(tmp_path / "results.csv", rows)
-    return read_results(tmp_path / "results.csv")
+    return Results(read_results(tmp_path / "results.csv"), tmp_path / "runs")
 
 
 @pytest.mark.parametrize("p", [0.5, 1.0, 2.0, 3.0])

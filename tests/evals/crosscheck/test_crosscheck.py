@@ -4,13 +4,12 @@ import numpy as np
 import pytest
 
 from garmentbench.errors import UserError
-from garmentbench.evals import STUDIES
 from garmentbench.evals.crosscheck import study as crosscheck
 from garmentbench.evals.crosscheck.match_material import Match
-from garmentbench.evals.crosscheck.study import VARIANTS, compare
+from garmentbench.evals.crosscheck.study import STUDY, VARIANTS, compare
 from garmentbench.evals.crosscheck.vbd import VbdRun
+from garmentbench.evals.experiment import finished_rows
 from garmentbench.evals.run import run
-from garmentbench.evals.study import finished_rows
 from garmentbench.scenes.presets import PRESETS
 from garmentbench.storage.jobs import Failure
 
@@ -47,29 +46,24 @@ def test_comparisons_share_the_other_engine_s_run_and_are_reused(engine):
 
 
 def test_rows_have_the_distance_its_doubt_and_the_match(engine):
-    study = STUDIES["crosscheck"]
-    assert finished_rows(study, SMOKE) == []
+    assert finished_rows(STUDY, SMOKE) == []
     for variant in (FULL, COMPRESSION):
         compare(SHEET, SMOKE, variant)
-    rows = finished_rows(study, SMOKE)
-    values = {(r["variant"], r["metric"]): r for r in rows}
+    rows = finished_rows(STUDY, SMOKE)
+    values = {(r.variant, r.metric): r for r in rows}
     plain = values["full", "difference"]
-    assert (
-        plain["value"] > 1 and plain["unit"] == "cm" and plain["uncertainty"] >= 0 and plain["method"] == "newton_vbd"
-    )
-    assert (
-        values["full", "ms_per_frame"]["value"] == 600 and 0 < values["full", "ms_per_frame"]["reference_value"] < 600
-    )
-    assert values["full", "match_hanging"]["value"] == pytest.approx(0.4)
-    assert values["full", "match_cantilever"]["value"] == pytest.approx(1.25)
-    assert values["compression_1", "difference"]["value"] != plain["value"]
+    assert plain.value > 1 and plain.unit == "cm" and plain.uncertainty >= 0 and plain.method == "newton_vbd"
+    assert values["full", "ms_per_frame"].value == 600 and 0 < values["full", "ms_per_frame"].reference_value < 600
+    assert values["full", "match_hanging"].value == pytest.approx(0.4)
+    assert values["full", "match_cantilever"].value == pytest.approx(1.25)
+    assert values["compression_1", "difference"].value != plain.value
     assert ("full", "interpenetration") not in values  # there is no human body
 
 
 def test_a_comparison_that_failed_keeps_its_row(engine):
-    study = STUDIES["crosscheck"]
-    rows = study.rows(SMOKE, {key: Failure("cross-check", "no such luck") for key in study.jobs(SMOKE)})
-    assert [r["status"] for r in rows] == ["failed"] * 2 and "no such luck" in rows[0]["run_id"]
+    work = STUDY.work(SMOKE, 1)
+    rows = work.rows({key: Failure("cross-check", "no such luck") for key in work.jobs})
+    assert [r.status for r in rows] == ["failed"] * 2 and "no such luck" in rows[0].run_id
 
 
 def test_without_newton_nothing_is_begun(monkeypatch, tmp_path):

@@ -5,12 +5,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from garmentbench.errors import UserError
+from garmentbench.evals.experiment import finished_rows
 from garmentbench.evals.motions import study as motions
 from garmentbench.evals.motions.distribution import _upright, embed, nearest_cm, poses
 from garmentbench.evals.motions.table import APART, POINTS
 from garmentbench.evals.report import make_report
-from garmentbench.evals.rows import write_results
-from garmentbench.evals.study import finished_rows
+from garmentbench.evals.run import write_results
 from garmentbench.scenes.presets import PRESETS
 from garmentbench.scenes.scene import load_scene
 from garmentbench.storage.jobs import Failure
@@ -62,17 +62,17 @@ def study(tmp_path_factory):
         patch.chdir(root)
         patch.setattr(motions, "choose_scenes", lambda words: list(KEPT))
         made = motions.distribute(SMOKE)
-        rows = motions.STUDY.rows(SMOKE, {motions.KEY: made})
+        rows = motions.STUDY.work(SMOKE, 1).rows({motions.KEY: made})
         write_results(root / "reports" / "smoke" / "results.csv", rows)
         yield root, made, rows
 
 
 def test_rows_say_how_far_each_motion_is_from_those_trained_on(study):
     _, made, rows = study
-    apart = {(row["motion"], row["metric"].removeprefix(APART)): row["value"] for row in rows}
+    apart = {(row.motion, row.metric.removeprefix(APART)): row.value for row in rows}
     assert apart["armspace-75", "armspace-75"] == apart["dance-latin", "dance-latin"] == 0
     assert apart["armspace-60", "armspace-75"] < apart["armspace-60", "dance-latin"]
-    assert {row["run_id"] for row in rows} == {made} and len(rows) == 2 * len(KEPT)
+    assert {row.run_id for row in rows} == {made} and len(rows) == 2 * len(KEPT)
 
 
 def test_a_finished_study_is_kept_and_not_run_again(study, monkeypatch):
@@ -107,7 +107,7 @@ def test_a_missing_run_is_named_and_a_failed_one_keeps_its_line(study, tmp_path)
     root, made, _ = study
     with pytest.raises(UserError, match="motions.npz: named in results.csv, but missing; `garmentbench evals motions`"):
         make_report("smoke", root / "reports", tmp_path)
-    rows = motions.STUDY.rows(SMOKE, {motions.KEY: Failure("motions", "no memory")})
+    rows = motions.STUDY.work(SMOKE, 1).rows({motions.KEY: Failure("motions", "no memory")})
     write_results(tmp_path / "smoke" / "results.csv", rows)
     make_report("smoke", tmp_path, tmp_path)
     assert "| armspace-75 | train | – | – | failed |" in (tmp_path / "smoke" / "tables" / "motions.md").read_text()

@@ -134,7 +134,7 @@ def test_a_card_from_results_is_the_card_from_the_file(tmp_path):
     train = sequence(scene="b", split="train", uncertainty={}, scores={"interpenetration_strict": 0.05})
     cards = [read_card(tmp_path / "a.h5"), card_of(train)]
     assert cards[0] == card_of(sequence())
-    write(tmp_path / "results.csv", [row for card in cards for row in card_rows(card)])
+    write(tmp_path / "results.csv", [vars(row) for card in cards for row in card_rows(card)])
     back = cards_in(read_results(tmp_path / "results.csv"))
     assert [card.scene for card in back] == ["b", "tshirt-armspace-90"]  # training data first
     assert [markdown(card) for card in back] == [markdown(card) for card in reversed(cards)]

@@ -6,11 +6,11 @@ import pytest
 from garmentbench.evals.paper_numbers import paper_number
 from garmentbench.report.cells import best, number, value_cell
 from garmentbench.report.lines import Value, confidence_95
-from garmentbench.report.table import Cell, Table, html_table, latex, markdown
+from garmentbench.report.table import Cell
 
 
-def value(mean, interval=None, endings=(), seeds=1, uncertainty=math.nan) -> Value:
-    return Value(mean, interval, tuple(endings), seeds, math.nan, uncertainty)
+def value(mean, interval=None, endings=(), seeds=1, uncertainty=math.nan, settled=True) -> Value:
+    return Value(mean, interval, tuple(endings), seeds, math.nan, uncertainty, settled)
 
 
 @pytest.mark.parametrize(
@@ -58,6 +58,18 @@ def test_the_best_is_best_by_more_than_the_uncertainty():
     assert best(unknown, "rollout_l2") is None
 
 
+def test_the_best_has_an_interval_apart_from_all_others():
+    overlapping = [value(0.9, 0.2, uncertainty=0.01), value(0.65, 0.1, uncertainty=0.01)]
+    apart = [value(0.9, 0.1, uncertainty=0.01), value(0.65, 0.1, uncertainty=0.01), value(2.0, uncertainty=0.01)]
+    assert best(overlapping, "rollout_l2") is None and best(apart, "rollout_l2") is apart[1]
+
+
+def test_beside_a_single_training_nothing_is_best():
+    """Another seed or processor has moved errors by 0.1 to 0.3 cm; one training can't say by how much its own."""
+    once = [value(0.56, uncertainty=0.01), value(0.76, uncertainty=0.01, settled=False)]
+    assert best(once, "rollout_l2") is None
+
+
 def test_what_failed_does_not_compete():
     values = [
         value(0.1, endings=["diverged at frame 9"], seeds=2, uncertainty=0.2),
@@ -80,12 +92,3 @@ def test_paper_numbers_of_the_main_experiment():
     assert [of(300, *m) for m in (("one_step_l2", 1), ("rollout_l2", 50), ("rollout_l2", 1150))] == [0.59, 0.83, 0.82]
     assert [of(n, "rollout_l2", 1150) for n in (50, 150, 900)] == [1.84, 0.84, 0.72]
     assert paper_number("tshirt", "armspace-90", 300, "rollout_l2", 297) is None
-
-
-def test_awkward_text_is_escaped_in_each_form():
-    table = Table(
-        "t", "Title_1", "50 % & more", ["a|b", "c [m/s²]"], [[Cell("x_y|z"), Cell("< 0.01 & 5 %", bold=True)]]
-    )
-    assert "| x_y\\|z | **< 0.01 & 5 %** |" in markdown(table)
-    assert r"x\_y|z & \textbf{$<$ 0.01 \& 5 \%} \\" in latex(table) and r"50 \% \& more" in latex(table)
-    assert '<td class="best">&lt; 0.01 &amp; 5 %</td>' in html_table(table)

@@ -1,0 +1,315 @@
+"""Methods trained on some scenes and tested on others, and the table of their accuracy: most experiments are this."""
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from garmentbench import pipeline
+from garmentbench.evals.experiment import Experiment, Work, about, failed_row, first_failure, named
+from garmentbench.evals.paper_numbers import paper_cell
+from garmentbench.evaluation.results import Row
+from garmentbench.metrics import metric
+from garmentbench.report.cells import ABSENT, best, number, status_cell, value_cell
+from garmentbench.report.lines import REFERENCE, Line, Value, label, order
+from garmentbench.report.table import Cell, Table
+from garmentbench.scenes.presets import Preset
+from garmentbench.scenes.scene import Scene, load_scene
+from garmentbench.storage.jobs import Job
+from garmentbench.storage.runs import Run, RunStore
+
+if TYPE_CHECKING:
+    from garmentbench.report.lines import Results
+    from garmentbench.report.page import Picture, Section
+
+TRAIN_FRAMES = 300  # the paper's training length, section 6.1
+MAIN = (  # the main table's columns after the errors
+    "interpenetration_before",
+    "interpenetration",
+    "self_intersection",
+    "liveliness",
+    "jitter",
+    "skill",
+    "ms_per_frame",
+)
+FRAMES = (
+    "Error of the free roll-out in each frame (thin) and over 30 frames (thick). A cross: it diverged or failed there."
+)
+TIME = (
+    "Error of the whole roll-out against time a frame. Lower left is better; inside the shaded band, differences mean "
+    "nothing."
+)
+STRIP = "Frames of the roll-outs: the reference above, below it what each method (first seed) made of it, coloured by its error."
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One line of a table.
+
+    Attributes:
+        method: A method's name, or "module:Class".
+        variant: "full", or one of the method's `VARIANTS`.
+        train_frames: It is trained on so many first frames of each training scene.
+    """
+
+    method: str
+    variant: str = "full"
+    train_frames: int = TRAIN_FRAMES
+
+    @property
+    def label(self) -> str:
+        """The variant's name in results.csv: a departure from the paper's training length is a variant too."""
+        return self.variant if self.train_frames == TRAIN_FRAMES else f"train_{self.train_frames}"
+
+
+FULL = Entry("motion_guided")
+SIMPLE = tuple(Entry(m) for m in ("skinning", "hold", "constant_velocity", "linear_subspace"))
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One line of results to be: an entry and a seed, trained, on a test scene; every name in it resolved."""
+
+    entry: Entry
+    choice: pipeline.MethodChoice
+    train: tuple[Scene, ...]
+    seed: int
+    test: Scene
+
+    @property
+    def train_scenes(self) -> str:
+        return "+".join(scene.name for scene in self.train)
+
+    @property
+    def trained(self) -> tuple:
+        return ("train", self.train_scenes, self.choice.name, self.entry.label, self.entry.train_frames, self.seed)
+
+    @property
+    def evaluated(self) -> tuple:
+        return ("evaluate", self.trained, self.test.name)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Comparison(Experiment):
+    """Entries trained on some scenes and tested on others; a line of the table is computed once, whoever shares it.
+
+    Attributes:
+        train: The training scenes.
+        tests: The test scenes, a table each.
+        entries: The lines.
+    """
+
+    train: tuple[str, ...]
+    tests: tuple[str, ...]
+    entries: tuple[Entry, ...]
+
+    def work(self, preset: Preset, seeds: int) -> Work:
+        train, tests = (tuple(load_scene(name) for name in names) for names in (self.train, self.tests))
+        choices = {entry: pipeline.choose_method(entry.method, entry.variant, preset) for entry in self.entries}
+        trials = [
+            Trial(entry, choice, train, seed, test)
+            for test in tests
+            for entry, choice in choices.items()
+            for seed in range(seeds if choice.random else 1)
+        ]
+        jobs = {job.key: job for scene in (*train, *tests) for job in [sequence_job(scene, preset)]}
+        jobs |= {job.key: job for trial in trials for job in _jobs(trial, trials, preset)}
+
+        def rows(results: dict) -> list[Row]:
+            return [row for trial in trials for row in self.trial_rows(trial, preset, results)]
+
+        return Work(jobs, rows)
+
+    def trial_rows(self, trial: Trial, preset: Preset, results: dict[tuple, Any]) -> list[Row]:
+        """The rows of one trial: what its run measured, or that it failed."""
+        entry, scene = trial.entry, trial.test
+        frames = min(entry.train_frames, preset.frame_limit or entry.train_frames)
+        columns = about(
+            self.table,
+            preset,
+            scene,
+            trial.choice.name,
+            variant=entry.label,
+            train_frames=frames,
+            seed=trial.seed,
+            train_scenes=trial.train_scenes,
+        )
+        failure = first_failure(*(results[k] for k in (("sequence", scene.name), trial.trained, trial.evaluated)))
+        if failure:
+            return [failed_row(columns, failure)]
+        run = RunStore().get(results[trial.evaluated])
+        return [named(row, columns, run.id) for row in self.measured(trial, run, results)]
+
+    def measured(self, trial: Trial, run: Run, results: dict[tuple, Any]) -> list[Row]:
+        """The measured part of a trial's rows."""
+        return [Row(**row) for row in run.results["rows"]]
+
+    def sections(self, results: "Results") -> "list[Section]":
+        from garmentbench.report.page import Section
+
+        found = results.lines(self.table, self.label, self.order)
+        sections = []
+        for scene in dict.fromkeys(line.scene for line in found):
+            lines = [line for line in found if line.scene == scene]
+            table = accuracy_table(lines, self.title)
+            sections.append(Section(table, _pictures(table.name, lines, results), lines=lines))
+        return sections
+
+    def label(self, line: Line) -> str:
+        """A line's name for people; a training set of several scenes is said, since others may stand beside it."""
+        several = f" (trained on {line.train_scenes.replace('+', ' + ')})" if "+" in line.train_scenes else ""
+        return label(line) + several
+
+    def order(self, line: Line) -> tuple:
+        """The simple methods first."""
+        return order_of_methods(line), *order(line)
+
+
+def order_of_methods(line: Line) -> int:
+    """The reference, then the simple methods as they are listed, then all others."""
+    known = [REFERENCE, *(entry.method for entry in SIMPLE)]
+    return known.index(line.method) if line.method in known else len(known)
+
+
+def sequence_job(scene: Scene, preset: Preset) -> Job:
+    """Simulating a scene."""
+    key = ("sequence", scene.name)
+    return Job(key, f"simulate {scene.name}", _simulate, arguments=(scene, preset), cost=0.2 * scene.frames)
+
+
+def _jobs(trial: Trial, trials: list[Trial], preset: Preset) -> list[Job]:
+    """Training and evaluating."""
+    entry, choice, test = trial.entry, trial.choice, trial.test
+    name = f"{choice.name} {entry.label}" + (f" seed {trial.seed}" if trial.seed else "")
+    full = replace(trial, entry=replace(entry, variant="full")).trained
+    shared = full != trial.trained and any(t.trained == full for t in trials)
+    return [
+        Job(
+            trial.trained,
+            f"train {name} on {trial.train_scenes}",
+            _train,
+            tuple(("sequence", scene.name) for scene in trial.train),
+            (trial, preset),
+            600.0 if choice.random else 10.0,
+            (full,) if shared else (),  # the full variant first: it shares stages with the others
+        ),
+        Job(
+            trial.evaluated,
+            f"evaluate {name} on {test.name}",
+            _evaluate,
+            (trial.trained, ("sequence", test.name)),
+            (trial, preset),
+            0.1 * test.frames,
+        ),
+    ]
+
+
+def _simulate(scene: Scene, preset: Preset) -> Path:
+    return pipeline.make_sequence(scene.name, preset)
+
+
+def _train(*inputs: Any) -> str:
+    *_, trial, preset = inputs
+    scenes, frames = [scene.name for scene in trial.train], trial.entry.train_frames
+    return pipeline.train(trial.choice, scenes, preset, frames, trial.seed, RunStore()).id
+
+
+def _evaluate(trained: str, _: Path, trial: Trial, preset: Preset) -> str:
+    store = RunStore()
+    return pipeline.evaluate(store.get(trained), trial.test.name, preset, store).id
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of measured values: a metric at a horizon (None: the longest there is)."""
+
+    metric: str
+    horizon: int | None = None
+
+    @property
+    def title(self) -> str:
+        name = f"rollout-{self.horizon}" if self.metric == "rollout_l2" else metric(self.metric).title
+        unit = metric(self.metric).unit.replace("^2", "²")
+        return name if unit == "1" else f"{name} [{unit}]"
+
+
+def accuracy_table(found: list[Line], title: str) -> Table:
+    """Methods on one scene: errors by horizon, each with the paper's where it has one, and what else was measured."""
+    columns = errors(found) + measured_columns(found, MAIN)
+    header = ["method"]
+    rows = [[Cell("reference", note=True)]] + [[Cell(line.label)] for line in found]
+    for column in columns:
+        header.append(column.title)
+        values = [line.value(column.metric, column.horizon) for line in found]
+        winner = best(values, column.metric)
+        cells = [_reference_cell(values)] + [value_cell(v, bold=v is winner and v is not None) for v in values]
+        papers = [paper_cell(line, column.metric, column.horizon) for line in found]
+        shown = any(cell.text for cell in papers)
+        header += ["paper"] if shown else []
+        for row, cell, paper in zip(rows, cells, [Cell(note=True), *papers], strict=True):
+            row += [cell, paper] if shown else [cell]
+    header.append("status")
+    rows[0].append(Cell(note=True))
+    for row, line in zip(rows[1:], found, strict=True):
+        row.append(status_cell(line))
+    first = found[0]
+    return Table(
+        f"{first.experiment}-{first.scene}",
+        f"{title}: {first.garment.replace('_', ' ')}, {first.motion}",
+        _caption(found),
+        header,
+        rows,
+        frozenset({0, len(header) - 1}),
+    )
+
+
+def errors(found: list[Line]) -> list[Column]:
+    """The columns of errors: one step, and the roll-out at each horizon that any of the lines has."""
+    horizons = sorted({int(h) for line in found for h in line.rows.horizon[line.rows.metric == "rollout_l2"].dropna()})
+    return measured_columns(found, ("one_step_l2",)) + [Column("rollout_l2", h) for h in horizons]
+
+
+def measured_columns(found: list[Line], metrics: tuple[str, ...]) -> list[Column]:
+    """A column for each metric that any of the lines has."""
+    return [Column(m) for m in metrics if any((line.rows.metric == m).any() for line in found)]
+
+
+def _reference_cell(values: list[Value | None]) -> Cell:
+    """The reference's uncertainty where errors are measured against it, or its own value of a metric."""
+    for value in values:
+        if value is not None and not math.isnan(value.uncertainty):
+            return Cell(f"± {value.uncertainty:.2g}", note=True)
+        if value is not None and not math.isnan(value.reference):
+            return Cell(number(value.reference), note=True)
+    return Cell(ABSENT, note=True)
+
+
+def _caption(found: list[Line]) -> str:
+    seeds = max(line.rows.seed.nunique() for line in found)
+    interval = f"mean over {seeds} seeds ± half the 95 % confidence interval" if seeds > 1 else "one seed"
+    once = seeds == 1 and any(line.random for line in found)
+    bold = (
+        "nothing is bold, since methods whose training has chance in it were trained once, and by how much another "
+        "training would move them isn't known"
+        if once
+        else "bold: better than every other line by more than that uncertainty, with intervals that do not overlap"
+    )
+    return (
+        f"Scene {found[0].scene}; {interval}. Errors are mean distances to the reference, whose own uncertainty and values "
+        f"stand in the first line; {bold}."
+    )
+
+
+def _pictures(name: str, lines: list[Line], results: "Results") -> "list[Picture]":
+    """Error over frames, error against time and frames of the roll-outs, of the lines that have a run."""
+    from garmentbench.report.page import Picture
+    from garmentbench.report.plots import error_against_time, error_over_frames
+    from garmentbench.report.strips import frame_strip
+
+    ran = [line for line in lines if line.run_ids]
+    if not ran:
+        return []
+    made = [Picture(f"plots/{name}-frames.svg", FRAMES, error_over_frames(ran, results.excerpt))]
+    if len({line.method for line in ran}) > 1:
+        made.append(Picture(f"plots/{name}-time.svg", TIME, error_against_time(ran)))
+    return [*made, Picture(f"strips/{name}.jpg", STRIP, frame_strip(ran, results.excerpt))]
