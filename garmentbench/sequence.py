@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+from jaxtyping import Float, Int
 
 HUMAN, OBJECT, GARMENT = "human", "object", "garment"
 
@@ -25,11 +26,11 @@ class Garment:
     """
 
     name: str
-    rest: np.ndarray
-    faces: np.ndarray
-    uv: np.ndarray
-    seams: np.ndarray
-    pins: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int32))
+    rest: Float[np.ndarray, "vertices 3"]
+    faces: Int[np.ndarray, "faces 3"]
+    uv: Float[np.ndarray, "vertices 2"]
+    seams: Int[np.ndarray, "seams 2"]
+    pins: Int[np.ndarray, " pins"] = field(default_factory=lambda: np.zeros(0, np.int32))
 
 
 @dataclass(frozen=True)
@@ -47,9 +48,9 @@ class Body:
     """
 
     name: str
-    rest: np.ndarray
-    faces: np.ndarray
-    labels: np.ndarray | None = None
+    rest: Float[np.ndarray, "vertices 3"]
+    faces: Int[np.ndarray, "faces 3"]
+    labels: Int[np.ndarray, " vertices"] | None = None
     part_names: tuple[str, ...] = ()
     kind: str = HUMAN
 
@@ -123,8 +124,8 @@ class Sequence:
     """
 
     template: Template
-    garment: np.ndarray
-    body: np.ndarray | None
+    garment: Float[np.ndarray, "frames vertices 3"]
+    body: Float[np.ndarray, "frames body_vertices 3"] | None
     info: dict = field(default_factory=dict)
 
     def __len__(self) -> int:
@@ -143,7 +144,7 @@ class Sequence:
         return {k: simulated[k] for k in _SIMULATED if k in simulated} | self.info.get("scores", {})
 
     @property
-    def body_positions(self) -> np.ndarray:
+    def body_positions(self) -> Float[np.ndarray, "frames body_vertices 3"]:
         """The body's positions [m], shape (T, B, 3). Raises `ValueError` where there is no body."""
         if self.body is None:
             raise ValueError(f"{self.template.garment.name} has no body; ask `template.needs` first")

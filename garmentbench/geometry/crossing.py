@@ -7,9 +7,14 @@ are one point of cloth.
 
 import numpy as np
 import warp as wp
+from jaxtyping import Bool, Float, Int
 
 
-def crossing_faces(garment: np.ndarray, faces: np.ndarray, seams: np.ndarray) -> np.ndarray:
+def crossing_faces(
+    garment: Float[np.ndarray, "frames vertices 3"],
+    faces: Int[np.ndarray, "faces 3"],
+    seams: Int[np.ndarray, "seams 2"],
+) -> Bool[np.ndarray, "frames faces"]:
     """Which faces cross another one that shares no point of cloth with them.
 
     Args:
@@ -79,7 +84,7 @@ def _share(one: wp.vec3i, other: wp.vec3i) -> bool:
 
 
 @wp.kernel(enable_backward=False)
-def _cross(mesh: wp.uint64, cloth: wp.array(dtype=wp.vec3i), crossing: wp.array(dtype=wp.int32)):
+def _cross(mesh: wp.uint64, cloth: wp.array[wp.vec3i], crossing: wp.array[wp.int32]):
     """Each pair once, from its first face: dim = F."""
     i = wp.tid()
     a0, b0, c0 = wp.mesh_get_point(mesh, 3 * i), wp.mesh_get_point(mesh, 3 * i + 1), wp.mesh_get_point(mesh, 3 * i + 2)

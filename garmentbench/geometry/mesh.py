@@ -2,27 +2,34 @@
 
 import numpy as np
 import scipy.sparse as sp
+from jaxtyping import Float, Int
 
 
-def corner_matrix(faces: np.ndarray, vertex_count: int) -> sp.csr_matrix:
+def corner_matrix(faces: Int[np.ndarray, "faces 3"], vertex_count: int) -> sp.csr_matrix:
     """Vertex-face incidence, shape (V, F): 1 where the vertex is a corner of the face."""
     rows, columns = faces.ravel(), np.repeat(np.arange(len(faces)), 3)
     return sp.csr_matrix((np.ones(rows.size, np.float32), (rows, columns)), (vertex_count, len(faces)))
 
 
-def normalised(vectors: np.ndarray) -> np.ndarray:
+def normalised(vectors: Float[np.ndarray, "*n d"]) -> Float[np.ndarray, "*n d"]:
     """Unit vectors along the last axis; a zero vector stays zero."""
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return vectors / np.where(length > 0, length, 1)
 
 
-def face_normals(positions: np.ndarray, faces: np.ndarray) -> np.ndarray:
+def face_normals(
+    positions: Float[np.ndarray, "*n vertices 3"], faces: Int[np.ndarray, "faces 3"]
+) -> Float[np.ndarray, "*n faces 3"]:
     """Unit face normals, shape (..., F, 3), of positions [m], shape (..., V, 3)."""
     a, b, c = (positions[..., faces[:, k], :] for k in range(3))
     return normalised(np.cross(b - a, c - a))
 
 
-def vertex_normals(positions: np.ndarray, faces: np.ndarray, corners: sp.csr_matrix | None = None) -> np.ndarray:
+def vertex_normals(
+    positions: Float[np.ndarray, "*n vertices 3"],
+    faces: Int[np.ndarray, "faces 3"],
+    corners: sp.csr_matrix | None = None,
+) -> Float[np.ndarray, "*n vertices 3"]:
     """Unit vertex normals, the uniform average of the faces' unit normals, shape (..., V, 3).
 
     Args:
@@ -37,25 +44,27 @@ def vertex_normals(positions: np.ndarray, faces: np.ndarray, corners: sp.csr_mat
     return normalised(np.moveaxis(by_vertex, 0, -2)).astype(positions.dtype)
 
 
-def unique_edges(faces: np.ndarray) -> np.ndarray:
+def unique_edges(faces: Int[np.ndarray, "faces 3"]) -> Int[np.ndarray, "edges 2"]:
     """Undirected edges, each once, lower index first, sorted, shape (E, 2)."""
     pairs = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     return np.unique(np.sort(pairs, axis=1), axis=0)
 
 
-def border_vertices(faces: np.ndarray) -> np.ndarray:
+def border_vertices(faces: Int[np.ndarray, "faces 3"]) -> Int[np.ndarray, " border"]:
     """Vertices of edges that belong to one face only, ascending, shape (N,)."""
     pairs = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
     edges, counts = np.unique(pairs, axis=0, return_counts=True)
     return np.unique(edges[counts == 1])
 
 
-def edge_lengths(positions: np.ndarray, edges: np.ndarray) -> np.ndarray:
+def edge_lengths(
+    positions: Float[np.ndarray, "*n vertices 3"], edges: Int[np.ndarray, "edges 2"]
+) -> Float[np.ndarray, "*n edges"]:
     """Edge lengths [m], shape (..., E), of positions [m], shape (..., V, 3)."""
     return np.linalg.norm(positions[..., edges[:, 0], :] - positions[..., edges[:, 1], :], axis=-1)
 
 
-def laplacian(faces: np.ndarray, vertex_count: int) -> sp.csr_matrix:
+def laplacian(faces: Int[np.ndarray, "faces 3"], vertex_count: int) -> sp.csr_matrix:
     """Uniform mesh Laplacian I - D^-1 A, shape (V, V), float64; a row of zeros for a vertex without edges."""
     i, j = unique_edges(faces).T
     adjacency = sp.csr_matrix((np.ones(i.size), (i, j)), (vertex_count, vertex_count))
@@ -65,7 +74,9 @@ def laplacian(faces: np.ndarray, vertex_count: int) -> sp.csr_matrix:
     return sp.csr_matrix(sp.diags((degree > 0).astype(float)) - sp.diags(inverse) @ adjacency)
 
 
-def tangent_frames(positions: np.ndarray, faces: np.ndarray, uv: np.ndarray) -> np.ndarray:
+def tangent_frames(
+    positions: Float[np.ndarray, "vertices 3"], faces: Int[np.ndarray, "faces 3"], uv: Float[np.ndarray, "vertices 2"]
+) -> Float[np.ndarray, "vertices 3 3"]:
     """Orthonormal vertex frames, shape (V, 3, 3); columns are tangent (along u), bitangent N x T, and normal.
 
     A vertex whose faces have no area in UV takes its tangent from the world axis that is farthest from its normal.

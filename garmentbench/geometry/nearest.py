@@ -1,10 +1,13 @@
 """The nearest body vertex of each garment vertex."""
 
 import numpy as np
+from jaxtyping import Float, Int
 from scipy.spatial import KDTree
 
 
-def nearest_vertices(points: np.ndarray, vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def nearest_vertices(
+    points: Float[np.ndarray, "points 3"], vertices: Float[np.ndarray, "vertices 3"]
+) -> tuple[Float[np.ndarray, " points"], Int[np.ndarray, " points"]]:
     """Nearest vertex of each point.
 
     Args:
@@ -18,7 +21,11 @@ def nearest_vertices(points: np.ndarray, vertices: np.ndarray) -> tuple[np.ndarr
     return np.asarray(distances), np.asarray(indices)
 
 
-def plane_distances(points: np.ndarray, vertices: np.ndarray, normals: np.ndarray) -> np.ndarray:
+def plane_distances(
+    points: Float[np.ndarray, "points 3"],
+    vertices: Float[np.ndarray, "vertices 3"],
+    normals: Float[np.ndarray, "vertices 3"],
+) -> Float[np.ndarray, " points"]:
     """Signed distance [m], shape (P,), of each point to the tangent plane of its nearest vertex; negative: behind it.
 
     Source: o_t^ik of section 5.1 of Zhang et al. 2022.

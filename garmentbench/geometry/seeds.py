@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
+from jaxtyping import Float, Int
 from scipy.sparse.csgraph import dijkstra
 
 from garmentbench.geometry.mesh import edge_lengths, normalised, unique_edges
@@ -26,12 +27,12 @@ class SeedPoints:
         along: How much the way to each of the other two corners counts towards the tangent [m], shape (N, K, 2).
     """
 
-    vertices: np.ndarray
-    labels: np.ndarray | None
-    rest: np.ndarray
-    frames: np.ndarray
-    faces: np.ndarray
-    along: np.ndarray
+    vertices: Int[np.ndarray, " seeds"]
+    labels: Int[np.ndarray, " seeds"] | None
+    rest: Float[np.ndarray, "seeds 3"]
+    frames: Float[np.ndarray, "seeds 3 3"]
+    faces: Int[np.ndarray, "seeds ring 3"]
+    along: Float[np.ndarray, "seeds ring 2"]
 
 
 def select_seeds(template: Template, count: int) -> SeedPoints:
@@ -50,7 +51,12 @@ def select_seeds(template: Template, count: int) -> SeedPoints:
     return seed_points(body.rest, body.faces, vertices, labels)
 
 
-def farthest_points(positions: np.ndarray, faces: np.ndarray, allowed: np.ndarray, count: int) -> np.ndarray:
+def farthest_points(
+    positions: Float[np.ndarray, "vertices 3"],
+    faces: Int[np.ndarray, "faces 3"],
+    allowed: Int[np.ndarray, " allowed"],
+    count: int,
+) -> Int[np.ndarray, " chosen"]:
     """Geodesic farthest-point samples among the vertices `allowed`, in the order of choice, shape (<= count,), int64.
 
     Args:
@@ -72,7 +78,10 @@ def farthest_points(positions: np.ndarray, faces: np.ndarray, allowed: np.ndarra
 
 
 def seed_points(
-    rest: np.ndarray, faces: np.ndarray, vertices: np.ndarray, labels: np.ndarray | None = None
+    rest: Float[np.ndarray, "vertices 3"],
+    faces: Int[np.ndarray, "faces 3"],
+    vertices: Int[np.ndarray, " seeds"],
+    labels: Int[np.ndarray, " seeds"] | None = None,
 ) -> SeedPoints:
     """Seed points at given body vertices, shape (N,), of a canonical body [m], shape (B, 3)."""
     corner = np.concatenate([faces, np.roll(faces, -1, axis=1), np.roll(faces, -2, axis=1)]).astype(np.int64)
@@ -84,7 +93,9 @@ def seed_points(
     return SeedPoints(vertices, labels, rest[vertices], _frames(rest, ring, along), ring, along)
 
 
-def seed_frames(body: np.ndarray, seeds: SeedPoints) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def seed_frames(
+    body: Float[np.ndarray, "*n vertices 3"], seeds: SeedPoints
+) -> tuple[Float[np.ndarray, "*n seeds 3"], Float[np.ndarray, "*n seeds 3 3"], Float[np.ndarray, "*n seeds 3"]]:
     """Where the seeds are and how they have turned.
 
     A seed's rotation carries its whole tangent frame (its normal, and a tangent averaged over the faces round it)

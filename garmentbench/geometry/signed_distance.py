@@ -1,13 +1,14 @@
 """Signed distance of points to a body's surface, negative inside.
 
-The sign is that of the angle-weighted normal at the nearest point (Baerentzen and Aanaes 2005), which is exact for closed
-surfaces. In float32 it is wrong for about 3 vertices in a million, where faces of a crease are almost equally near; so it
-is asked for with two tolerances, and where the two disagree the winding number decides. A garment beneath is open: what is
-nearest to its border, and beside it rather than behind it, is outside.
+The sign is that of the angle-weighted normal at the nearest point (Baerentzen and Aanaes 2005), which is exact for
+closed surfaces. In float32 it is wrong for about 3 vertices in a million, where faces of a crease are almost equally
+near; so it is asked for with two tolerances, and where the two disagree the winding number decides. A garment beneath
+is open: what is nearest to its border, and beside it rather than behind it, is outside.
 """
 
 import numpy as np
 import warp as wp
+from jaxtyping import Float, Int
 
 from garmentbench.geometry.mesh import border_vertices
 from garmentbench.geometry.side import side
@@ -16,7 +17,11 @@ from garmentbench.geometry.triangle import distance_to_face
 _FARTHEST = 1e4  # [m] search radius: everything
 
 
-def signed_distances(garment: np.ndarray, body: np.ndarray, body_faces: np.ndarray) -> np.ndarray:
+def signed_distances(
+    garment: Float[np.ndarray, "frames vertices 3"],
+    body: Float[np.ndarray, "frames body_vertices 3"],
+    body_faces: Int[np.ndarray, "faces 3"],
+) -> Float[np.ndarray, "frames vertices"]:
     """Signed distance of garment vertices to the body's surface, negative inside.
 
     Args:
@@ -49,8 +54,10 @@ def signed_distances(garment: np.ndarray, body: np.ndarray, body_faces: np.ndarr
 
 @wp.func
 def _winding_number(mesh: wp.uint64, face_count: int, point: wp.vec3) -> float:
-    """How often the surface goes round a point: the sum of its faces' solid angles over 4 pi (van Oosterom and Strackee
-    1983)."""
+    """How often the surface goes round a point.
+
+    The sum of its faces' solid angles over 4 pi (van Oosterom and Strackee 1983).
+    """
     angle = float(0.0)
     for face in range(face_count):
         a = wp.mesh_get_point(mesh, 3 * face) - point
@@ -66,11 +73,11 @@ def _winding_number(mesh: wp.uint64, face_count: int, point: wp.vec3) -> float:
 def _query(
     mesh: wp.uint64,
     face_count: int,
-    border: wp.array(dtype=int),
+    border: wp.array[int],
     closed: bool,
-    points: wp.array(dtype=wp.vec3),
-    near: wp.array(dtype=int),
-    distances: wp.array(dtype=float),
+    points: wp.array[wp.vec3],
+    near: wp.array[int],
+    distances: wp.array[float],
 ):
     """near: the nearest face in the frame before, which bounds the search; -1: not known."""
     i = wp.tid()

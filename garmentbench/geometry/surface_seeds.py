@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from garmentbench.geometry.mesh import normalised, vertex_normals
 
@@ -20,16 +21,20 @@ class SurfaceSeeds:
         faces: The body's triangles round the corners, shape (K, 3).
     """
 
-    corners: np.ndarray
-    weights: np.ndarray
-    labels: np.ndarray | None
-    rest: np.ndarray
-    frames: np.ndarray
-    faces: np.ndarray
+    corners: Int[np.ndarray, "seeds 3"]
+    weights: Float[np.ndarray, "seeds 3"]
+    labels: Int[np.ndarray, " seeds"] | None
+    rest: Float[np.ndarray, "seeds 3"]
+    frames: Float[np.ndarray, "seeds 3 3"]
+    faces: Int[np.ndarray, "faces 3"]
 
 
 def surface_seeds(
-    rest: np.ndarray, faces: np.ndarray, corners: np.ndarray, weights: np.ndarray, labels: np.ndarray | None = None
+    rest: Float[np.ndarray, "vertices 3"],
+    faces: Int[np.ndarray, "faces 3"],
+    corners: Int[np.ndarray, "seeds 3"],
+    weights: Float[np.ndarray, "seeds 3"],
+    labels: Int[np.ndarray, " seeds"] | None = None,
 ) -> SurfaceSeeds:
     """Seed points at given places, see `SurfaceSeeds`, on a canonical body [m], shape (B, 3), with faces (F, 3)."""
     near = faces[np.isin(faces, corners).any(axis=1)]
@@ -38,7 +43,9 @@ def surface_seeds(
     )
 
 
-def surface_frames(body: np.ndarray, seeds: SurfaceSeeds) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def surface_frames(
+    body: Float[np.ndarray, "*n vertices 3"], seeds: SurfaceSeeds
+) -> tuple[Float[np.ndarray, "*n seeds 3"], Float[np.ndarray, "*n seeds 3 3"], Float[np.ndarray, "*n seeds 3"]]:
     """Where the seeds are and how they have turned; as `geometry.seeds.seed_frames`.
 
     A seed's normal is the vertex normals' mean by its weights; its tangent is the first edge of its triangle.

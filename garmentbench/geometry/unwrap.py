@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from garmentbench.errors import UserError
 
@@ -21,13 +22,13 @@ class Unwrapped:
         seams: Pairs of vertices that are the same point, shape (S, 2), int32: each copy and its original.
     """
 
-    source: np.ndarray
-    faces: np.ndarray
-    uv: np.ndarray
-    seams: np.ndarray
+    source: Int[np.ndarray, " vertices"]
+    faces: Int[np.ndarray, "faces 3"]
+    uv: Float[np.ndarray, "vertices 2"]
+    seams: Int[np.ndarray, "seams 2"]
 
 
-def unwrap(positions: np.ndarray, faces: np.ndarray) -> Unwrapped:
+def unwrap(positions: Float[np.ndarray, "vertices 3"], faces: Int[np.ndarray, "faces 3"]) -> Unwrapped:
     """Cut a mesh into charts that lie side by side in the unit square without overlap.
 
     Weld the mesh first: xatlas cuts it wherever two faces do not share their vertices.
@@ -54,10 +55,12 @@ def unwrap(positions: np.ndarray, faces: np.ndarray) -> Unwrapped:
             f"xatlas can't unwrap the mesh ({e}); repair it first: garmentbench check FILE --fix OUT"
         ) from e
     uv = np.clip(uv, 0.0, 1.0)  # rounding may leave the square by a hair
-    return in_order(len(positions), source.astype(np.int64), corners, uv)
+    return in_order(len(positions), source.astype(np.int64), corners.astype(np.int64), uv)
 
 
-def in_order(count: int, source: np.ndarray, corners: np.ndarray, uv: np.ndarray) -> Unwrapped:
+def in_order(
+    count: int, source: Int[np.ndarray, " cut"], corners: Int[np.ndarray, "faces 3"], uv: Float[np.ndarray, "cut 2"]
+) -> Unwrapped:
     """Number the vertices of a mesh that was cut open so that the first copy of each keeps its vertex's own number.
 
     Args:

@@ -6,6 +6,7 @@ Pixel (row y, column x) of a map of S x S pixels lies at u = (x + 0.5) / S, v = 
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float, Int
 
 
 @dataclass(frozen=True)
@@ -20,12 +21,12 @@ class Chart:
     """
 
     size: int
-    pixels: np.ndarray
-    vertices: np.ndarray
-    weights: np.ndarray
+    pixels: Int[np.ndarray, " covered"]
+    vertices: Int[np.ndarray, "covered 3"]
+    weights: Float[np.ndarray, "covered 3"]
 
 
-def chart(uv: np.ndarray, faces: np.ndarray, size: int) -> Chart:
+def chart(uv: Float[np.ndarray, "vertices 2"], faces: Int[np.ndarray, "faces 3"], size: int) -> Chart:
     """Rasterise the garment in UV: a pixel is covered when its centre lies in a triangle (the first one counts).
 
     Args:
@@ -63,7 +64,9 @@ def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
 
 
-def bilinear_table(uv: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray]:
+def bilinear_table(
+    uv: Float[np.ndarray, "vertices 2"], size: int
+) -> tuple[Int[np.ndarray, "vertices 4"], Float[np.ndarray, "vertices 4"]]:
     """The four pixels round each UV point and their bilinear weights.
 
     Args:

@@ -2,10 +2,11 @@
 
 import numpy as np
 import scipy.sparse as sp
+from jaxtyping import Int
 from scipy.sparse.csgraph import connected_components
 
 
-def weld(vertices: int, seams: np.ndarray) -> tuple[np.ndarray, int]:
+def weld(vertices: int, seams: Int[np.ndarray, "seams 2"]) -> tuple[Int[np.ndarray, " vertices"], int]:
     """Points of a sewn mesh.
 
     Args:

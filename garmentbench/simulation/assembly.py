@@ -5,8 +5,10 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
+from jaxtyping import Bool, Float, Int
 
 from garmentbench.geometry.weld import weld
+from garmentbench.sequence import Garment
 from garmentbench.simulation.material import Material, Settings
 
 
@@ -28,17 +30,17 @@ class Fabric:
         faces: Particles of each triangle, shape (F, 3).
     """
 
-    particle: np.ndarray
-    rest: np.ndarray
-    mass: np.ndarray
-    edges: np.ndarray
-    length: np.ndarray
-    stiffness: np.ndarray
-    stencils: np.ndarray
-    curvature: np.ndarray
-    bend_stiffness: np.ndarray
-    pinned: np.ndarray
-    faces: np.ndarray
+    particle: Int[np.ndarray, " vertices"]
+    rest: Float[np.ndarray, "particles 3"]
+    mass: Float[np.ndarray, " particles"]
+    edges: Int[np.ndarray, "edges 2"]
+    length: Float[np.ndarray, " edges"]
+    stiffness: Float[np.ndarray, " edges"]
+    stencils: Int[np.ndarray, "stencils 4"]
+    curvature: Float[np.ndarray, "stencils 4"]
+    bend_stiffness: Float[np.ndarray, " stencils"]
+    pinned: Bool[np.ndarray, " particles"]
+    faces: Int[np.ndarray, "faces 3"]
 
     @cached_property
     def bending(self) -> sp.csr_matrix:
@@ -51,8 +53,8 @@ class Fabric:
         return matrix
 
 
-def assemble(garment, material: Material, settings: Settings) -> Fabric:
-    """The fabric of a garment (`garmentbench.sequence.Garment`)."""
+def assemble(garment: Garment, material: Material, settings: Settings) -> Fabric:
+    """The fabric of a garment."""
     particle, count = weld(len(garment.rest), garment.seams)
     rest = np.zeros((count, 3))
     np.add.at(rest, particle, garment.rest.astype(np.float64))

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import warp as wp
+from jaxtyping import Float
 
 from garmentbench.simulation.assembly import Fabric
 from garmentbench.simulation.collider import Collider
@@ -29,7 +30,7 @@ class Solver:
     def __init__(
         self,
         fabric: Fabric,
-        start: np.ndarray,
+        start: Float[np.ndarray, "particles 3"],
         touched: tuple[tuple[np.ndarray, ...], np.ndarray] | None,
         material: Material,
         settings: Settings,
@@ -52,16 +53,16 @@ class Solver:
         self._graph = None
 
     @property
-    def positions(self) -> np.ndarray:
+    def positions(self) -> Float[np.ndarray, "particles 3"]:
         """Particle positions [m], local axes, shape (P, 3), float32."""
         return self.cloth.x.numpy()
 
     @property
-    def velocities(self) -> np.ndarray:
+    def velocities(self) -> Float[np.ndarray, "particles 3"]:
         """Particle velocities [m/s], shape (P, 3), float32."""
         return self.cloth.v.numpy()
 
-    def shift(self, offset: np.ndarray) -> None:
+    def shift(self, offset: Float[np.ndarray, "3"]) -> None:
         """Move the origin by `offset` [m], shape (3,), so that positions stay small and float32 precise."""
         self.cloth.x.assign(self.positions - offset.astype(np.float32))
 

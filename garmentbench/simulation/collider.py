@@ -2,6 +2,7 @@
 
 import numpy as np
 import warp as wp
+from jaxtyping import Float
 
 from garmentbench.geometry.mesh import border_vertices
 from garmentbench.simulation.contact import Surface, attach, find_contacts, hold, move_surface
@@ -43,7 +44,14 @@ class Collider:
         indices = wp.array(faces.astype(np.int32).ravel(), dtype=int, device=self.device)
         return indices, wp.Mesh(points=self.surface.points, indices=indices, velocities=self.surface.velocities)
 
-    def set_frame(self, p0: np.ndarray, p1: np.ndarray, m0: np.ndarray, m1: np.ndarray, wind: np.ndarray) -> None:
+    def set_frame(
+        self,
+        p0: Float[np.ndarray, "points 3"],
+        p1: Float[np.ndarray, "points 3"],
+        m0: Float[np.ndarray, "points 3"],
+        m1: Float[np.ndarray, "points 3"],
+        wind: Float[np.ndarray, "3"],
+    ) -> None:
         """Positions at the two ends of a frame, tangents there [m a frame], each (B, 3); the wind [m/s], shape (3,)."""
         s = self.surface
         for array, values in ((s.p0, p0), (s.p1, p1), (s.m0, m0), (s.m1, m1), (s.wind, wind[None])):

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from jaxtyping import Float
 
 from garmentbench.sequence import Body, Garment
 from garmentbench.simulation.assembly import Fabric, assemble
@@ -36,9 +37,9 @@ class Simulated:
     """
 
     fabric: Fabric = field(repr=False)
-    positions: np.ndarray
-    strain: np.ndarray
-    kinetic: np.ndarray
+    positions: Float[np.ndarray, "frames vertices 3"]
+    strain: Float[np.ndarray, "frames 2"]
+    kinetic: Float[np.ndarray, " frames"]
     substeps: int
     ms_per_frame: float = 0.0
     first_bad_frame: int | None = None
@@ -60,16 +61,16 @@ class Simulated:
 
 def drive(
     garment: Garment,
-    start: np.ndarray,
+    start: Float[np.ndarray, "vertices 3"],
     body: Body | None,
-    frames: np.ndarray | int,
+    frames: Float[np.ndarray, "frames body_vertices 3"] | int,
     fps: float,
     material: Material,
     settings: Settings,
     device: str = "cpu",
     serial: bool | None = None,
     budget: int | None = None,
-    inner: tuple[Body, np.ndarray] | None = None,
+    inner: tuple[Body, Float[np.ndarray, "frames inner_vertices 3"]] | None = None,
     step: Callable[[], None] = lambda: None,
 ) -> Simulated:
     """Simulate a garment on a moving body.

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from garmentbench.sequence import OBJECT, Body
 
@@ -18,13 +19,18 @@ class Obstacle:
         still_air: The air does not move along with the body.
     """
 
-    surfaces: tuple[np.ndarray, ...]
-    positions: np.ndarray
+    surfaces: tuple[Int[np.ndarray, "_ 3"], ...]
+    positions: Float[np.ndarray, "frames points 3"]
     skin: int
     still_air: bool
 
     @classmethod
-    def of(cls, body: Body, positions: np.ndarray, inner: tuple[Body, np.ndarray] | None) -> "Obstacle":
+    def of(
+        cls,
+        body: Body,
+        positions: Float[np.ndarray, "frames body_vertices 3"],
+        inner: tuple[Body, Float[np.ndarray, "frames inner_vertices 3"]] | None,
+    ) -> "Obstacle":
         """A body at its positions [m], shape (T, B, 3), and the garment beneath with its own over the same frames."""
         surfaces = (body.faces,)
         if inner is not None:
@@ -32,7 +38,7 @@ class Obstacle:
             positions = np.concatenate([positions, inner[1]], axis=1)
         return cls(surfaces, positions, len(body.rest), body.kind == OBJECT)
 
-    def between(self, t: int, origin: np.ndarray, fps: float) -> tuple[np.ndarray, ...]:
+    def between(self, t: int, origin: Float[np.ndarray, "3"], fps: float) -> tuple[np.ndarray, ...]:
         """What leads from frame t to t + 1, cubic Hermite: positions at both, relative to `origin`, and tangents [m a
         frame] from central differences, shape (B, 3) each; the wind [m/s], shape (3,).
 
