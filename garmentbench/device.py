@@ -5,9 +5,13 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
+from typing import TYPE_CHECKING
 
 from garmentbench.errors import UserError, unknown_name
-from garmentbench.scenes.presets import PRESETS, Preset
+
+if TYPE_CHECKING:
+    from garmentbench.scenes.presets import Preset
 
 DEVICES = ("auto", "cpu", "cuda")
 
@@ -25,13 +29,13 @@ def choose_device(name: str) -> None:
         raise UserError("--device cuda: this machine offers no CUDA device to torch; use --device cpu or auto")
 
 
-def require_device(preset: Preset) -> None:
+def require_device(preset: "Preset") -> None:
     """Raises `UserError` where a preset needs a CUDA device and there is none."""
     if preset.needs_cuda and not has_cuda():
-        others = " or ".join(p.name for p in PRESETS.values() if not p.needs_cuda)
-        raise UserError(f"preset {preset.name} needs a CUDA device and none is there; {others} run on any machine")
+        raise UserError(f"preset {preset.name} needs a CUDA device and none is there; --preset laptop needs none")
 
 
+@cache
 def quiet_warp() -> None:
     """Start Warp without the messages that would mix with a command's output: which kernels it loads, and that there is
     no CUDA driver. To be called before its first use."""

@@ -65,7 +65,7 @@ def fingerprint(*sources: str | Path) -> str:
 
     A module's name ("garmentbench.simulation") stands for that module, or all modules of that package, and every module
     of the same project that they import, directly or not. Modules count by what they contain, whatever they are called
-    and wherever they lie. Comments, docstrings, layout and what only a type checker reads don't count. A path stands
+    and wherever they lie. Comments, docstrings, layout, plain functions' annotations and imports for type checkers don't count. A path stands
     for the bytes of that file or folder. Raises ModuleNotFoundError for an unknown name.
     """
     code = [_hash_with_imports(name) for name in _reached([s for s in sources if isinstance(s, str)])]
@@ -203,6 +203,14 @@ class _Reader(ast.NodeTransformer):
                 self.visit(statement)
             self.typing, self.imports = [*self.typing, *self.imports[count:]], self.imports[:count]
             return [kept for statement in node.orelse if (kept := self.visit(statement)) is not None]
+        return self.generic_visit(node)
+
+    def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.AST:
+        if not node.decorator_list:  # a decorator may go by the annotations, as Warp's kernels do
+            node.returns = None
+            for argument in ast.walk(node.args):
+                if isinstance(argument, ast.arg):
+                    argument.annotation = None
         return self.generic_visit(node)
 
     def visit_Import(self, node: ast.Import) -> ast.AST | None:

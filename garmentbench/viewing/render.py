@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import warp as wp
 
+from garmentbench.device import quiet_warp
 from garmentbench.geometry.mesh import vertex_normals
 
 SKIN = (0.62, 0.62, 0.64)
@@ -76,6 +77,7 @@ def render(
     Returns:
         The picture, uint8, shape (height, width, 3), sRGB.
     """
+    quiet_warp()
     box = bounds(*[m.vertices for m in meshes]) if focus is None else focus
     origin, axes, tangents = _camera(box, VIEWS[view], size)
     vertices = np.concatenate([m.vertices for m in meshes]).astype(np.float32)

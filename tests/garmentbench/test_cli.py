@@ -156,7 +156,7 @@ def test_the_paper_preset_asks_for_a_cuda_device(home, capsys, monkeypatch):
     for command in (["simulate", "sheet-stick-a"], ["train", "skinning"], ["evaluate", "skinning"], ["evals"]):
         code, _, lines = typed(capsys, *command, "--preset", "paper")
         assert code == 1 and len(lines) == 1
-        assert "paper needs a CUDA device" in lines[0] and "smoke or laptop" in lines[0]
+        assert "paper needs a CUDA device" in lines[0] and "--preset laptop needs none" in lines[0]
 
 
 def test_scenes_lists_and_shows_what_is_left_out(capsys):
@@ -254,6 +254,8 @@ def test_a_good_method_is_trained_and_evaluated_once(tiny, capsys):
     runs = sorted(RunStore().list(), key=lambda r: r.kind, reverse=True)
     assert [r.kind for r in runs] == ["train", "evaluate"] and all(r.finished for r in runs)
     assert {"rollout.h5", "recording.rrd", "run.json"} <= {p.name for p in runs[1].folder.iterdir()}
+    told = (paths.PACKAGE / "storage" / "README.md").read_text()
+    assert all(f"`{file.name}" in told for run in runs for file in run.folder.iterdir())
     before = [(r.folder / "run.json").stat().st_mtime_ns for r in runs]
     assert typed(capsys, *evaluate("Good", tiny))[0] == 0
     assert [(r.folder / "run.json").stat().st_mtime_ns for r in runs] == before

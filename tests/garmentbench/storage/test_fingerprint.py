@@ -97,6 +97,14 @@ def test_what_only_a_type_checker_reads_does_not_count(project):
     assert project(train=text, report="y = 1\n") == project(train=text, report="y = 2\n")
 
 
+def test_annotations_count_only_where_a_decorator_may_read_them(project):
+    text = "import warp as wp\n{}def f(x{}){}:\n    return x\n"
+    first = project(train=text.format("", "", ""))
+    assert project(train=text.format("", ": int", " -> int")) == first
+    kernel = project(train=text.format("@wp.func\n", ": int", ""))
+    assert project(train=text.format("@wp.func\n", ": float", "")) != kernel
+
+
 def test_a_module_that_is_renamed_or_moved_is_the_same(project):
     first = project(
         train="import numpy\nfrom toy_project import loss\nfrom toy_project.deep import x\nloss.f(x)\n",
