@@ -23,6 +23,7 @@ class ImportMotion:
         picture: Also draw a contact sheet into this PNG file.
         body: Whose body.
         fps: Frames a second of the clip.
+        recording_fps: Frames a second of the recording, where its file says none, or a wrong one.
         start: From this time of the recording on [s].
         stop: Up to this time [s]; by default its end.
         arm_space: Turn hanging arms outward by so many degrees.
@@ -35,6 +36,7 @@ class ImportMotion:
     picture: Path | None = None
     body: str = "base"
     fps: float = 30.0
+    recording_fps: float | None = None
     start: float = 0.0
     stop: float | None = None
     arm_space: float = 0.0
@@ -44,6 +46,8 @@ class ImportMotion:
     def run(self) -> None:
         if not 1 <= self.fps <= 1000:
             raise UsageError(f"--fps is {self.fps:g}; wanted 1 to 1000")
+        if self.recording_fps is not None and not 1 <= self.recording_fps <= 1000:
+            raise UsageError(f"--recording-fps is {self.recording_fps:g}; wanted 1 to 1000")
         if self.out is not None and self.out.suffix != ".npz":
             raise UsageError(f"--out is {self.out}; wanted a name that ends in .npz")
         if self.smplx_models is not None:
@@ -61,7 +65,7 @@ class ImportMotion:
         one_thread()
         quiet_warp()
         baked = load_body(self.body, "small")
-        choices = Choices(self.start, self.stop, self.arm_space, _name_map(self.map))
+        choices = Choices(self.start, self.stop, self.arm_space, _name_map(self.map), self.recording_fps)
         imported = import_clip(self.file, baked, self.fps, choices)
         for line in findings(imported, baked):
             print(line)

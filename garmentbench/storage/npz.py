@@ -3,6 +3,7 @@
 import tokenize
 import zipfile
 import zlib
+from collections.abc import Collection
 from pathlib import Path
 
 import numpy as np
@@ -27,13 +28,14 @@ DAMAGED = (  # what zipfile and NumPy raise over damaged archives and headers, w
 _MOST_COMPRESSED, _SMALL = 200, 64 << 20  # what claims to be larger than both [times, bytes] is not believed
 
 
-def read_arrays(path: Path, wanted: str, again: str) -> dict[str, np.ndarray]:
-    """All arrays of an .npz file, by name.
+def read_arrays(path: Path, wanted: str, again: str, names: Collection[str] | None = None) -> dict[str, np.ndarray]:
+    """Arrays of an .npz file, by name.
 
     Args:
         path: The file.
         wanted: What should be there, for messages, e.g. "a garment".
         again: How to come by a good file, for messages.
+        names: The arrays to read; all others are left alone, whatever they hold. None: all.
 
     Raises `UserError`, one line, for a file that is missing, damaged, or claims more than it holds.
     """
@@ -42,7 +44,8 @@ def read_arrays(path: Path, wanted: str, again: str) -> dict[str, np.ndarray]:
     try:
         with zipfile.ZipFile(path) as archive:
             size = path.stat().st_size
-            return {m.filename.removesuffix(".npy"): read_array(archive, m, size) for m in archive.infolist()}
+            members = {m.filename.removesuffix(".npy"): m for m in archive.infolist()}
+            return {k: read_array(archive, m, size) for k, m in members.items() if names is None or k in names}
     except DAMAGED as e:
         raise UserError(f"{path}: damaged, or no .npz file ({reason(e)[:100]}), wanted {wanted}; {again}") from e
 

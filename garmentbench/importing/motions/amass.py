@@ -1,6 +1,6 @@
 """AMASS-style npz files: SMPL or SMPL-X poses. Read as a skeleton, which needs neither SMPL's code nor its model files.
 
-`poses` holds, a frame, the axis-angle rotations of the joints below, the root's first (more joints follow: hands, face);
+`poses` (or root_orient beside pose_body, or AIST++'s smpl_poses) holds, a frame, the axis-angle rotations of the joints below, the root's first (more joints follow: hands, face);
 `trans` the path of the root [m]; z is up. A rotation of zero is the T-pose that looks along +y of SMPL's own y-up axes.
 How long the person's bones are is in SMPL's shape space, which only its model files tell: here the bones are an adult's,
 to the centimetre, and `betas` are not used.
@@ -41,17 +41,33 @@ _SKELETON = (
 )
 _UPRIGHT = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # takes y, which is up in the T-pose, to z
 _RATES = ("mocap_framerate", "mocap_frame_rate", "fps")
-_ADVICE = "wanted an AMASS file with poses (T, 66 or more), trans (T, 3) and mocap_framerate"
+_POSES = {  # what is called what in which data; parts are put side by side
+    "poses": ("poses",),
+    "root_orient": ("root_orient", "pose_body"),  # AMASS, split
+    "smpl_poses": ("smpl_poses",),  # AIST++
+    "global_orient": ("global_orient", "body_pose"),  # the smplx package's own names
+}
+_PATHS = ("trans", "smpl_trans", "transl")
+ARRAYS = (
+    *(part for parts in _POSES.values() for part in parts),
+    *_PATHS,
+    *_RATES,
+    "smpl_scaling",
+)  # that a motion needs
+_ADVICE = (
+    "wanted poses (T, 66 or more), or root_orient and pose_body; trans (T, 3); and mocap_framerate, or --recording-fps"
+)
 
 
 def is_amass(arrays: dict[str, np.ndarray]) -> bool:
     """Do the arrays of an npz file look like AMASS's?"""
-    return "poses" in arrays or "trans" in arrays
+    return any(key in arrays for key in (*_POSES, *_PATHS))
 
 
-def amass_recording(arrays: dict[str, np.ndarray], path: Path) -> Recording:
-    """The recording in the arrays of an AMASS file [m]. Raises `UserError` where one is missing or wrong."""
-    poses, trans, fps = amass_motion(arrays, path)
+def amass_recording(arrays: dict[str, np.ndarray], path: Path, fps: float | None = None) -> Recording:
+    """The recording in the arrays of an AMASS file [m]; `fps` counts before the file's. Raises `UserError` where one is
+    missing or wrong."""
+    poses, trans, fps = amass_motion(arrays, path, fps)
     names = [joint for joint, _, _ in _SKELETON]
     turns = (
         Rotation.from_rotvec(poses[:, : 3 * len(names)].reshape(-1, 3))
@@ -70,16 +86,35 @@ def amass_recording(arrays: dict[str, np.ndarray], path: Path) -> Recording:
     )
 
 
-def amass_motion(arrays: dict[str, np.ndarray], path: Path) -> tuple[np.ndarray, np.ndarray, float]:
-    """`poses` (T, P) [rad], `trans` (T, 3) [m] and the frame rate, checked. Raises `UserError`."""
-    for key in ("poses", "trans"):
-        if key not in arrays or arrays[key].ndim != 2 or arrays[key].dtype.kind not in "fi":
+def amass_motion(
+    arrays: dict[str, np.ndarray], path: Path, fps: float | None = None
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Poses (T, P) [rad], path (T, 3) [m] and the frame rate (`fps`, if it is given), checked. Raises `UserError`."""
+    parts = next((parts for first, parts in _POSES.items() if first in arrays), ())
+    way = next((key for key in _PATHS if key in arrays), None)
+    if not parts or way is None:
+        lacks = "poses" if not parts else "trans"
+        raise UserError(
+            f"{path}: its array '{lacks}' is missing (found: {', '.join(sorted(arrays)) or 'none of these'}); {_ADVICE}"
+        )
+    for key in (*parts, way):
+        if key not in arrays or arrays[key].ndim not in (2, 3) or arrays[key].dtype.kind not in "fi":
             raise UserError(f"{path}: its array '{key}' is missing or wrong; {_ADVICE}")
         if not np.isfinite(arrays[key]).all():
             raise UserError(f"{path}: its array '{key}' is not finite; cut the recording before that frame")
-    poses, trans = arrays["poses"].astype(np.float64), arrays["trans"].astype(np.float64)
+    if len({len(arrays[key]) for key in parts}) > 1:
+        raise UserError(f"{path}: {' and '.join(parts)} are not of one length; {_ADVICE}")
+    poses = np.concatenate(
+        [arrays[key].reshape(len(arrays[key]), int(np.prod(arrays[key].shape[1:]))) for key in parts], axis=1
+    ).astype(np.float64)
+    trans = arrays[way].astype(np.float64)
     if poses.shape[1] < 3 * len(_SKELETON) or trans.shape != (len(poses), 3) or not len(poses):
-        raise UserError(f"{path}: poses {poses.shape}, trans {trans.shape}; {_ADVICE}")
+        raise UserError(f"{path}: {parts[0]} {poses.shape}, {way} {trans.shape}; {_ADVICE}")
+    scaling = arrays.get("smpl_scaling")
+    if scaling is not None and scaling.size == 1 and scaling.dtype.kind in "fi" and scaling.item() > 0:
+        trans = trans / scaling.item()
+    if fps is not None:
+        return poses, trans, fps
     rate = next((arrays[key] for key in _RATES if key in arrays), None)
     if rate is None or rate.size != 1 or rate.dtype.kind not in "fi" or not 1 <= rate.item() <= 1000:
         raise UserError(f"{path}: its frame rate is {'missing' if rate is None else rate}; {_ADVICE}")

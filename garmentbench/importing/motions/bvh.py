@@ -1,24 +1,31 @@
 """Reading BVH, the Biovision hierarchy: joints with offsets and channels in any order, then one line of numbers a frame.
 
 Angles are in degrees and applied in the order of the channels (the first outermost). Position channels take the place of
-the joint's offset, as in Blender; joints below the root have bones of constant length, so of theirs the median counts.
+the joint's offset, as in Blender. Where almost the whole skeleton hangs from a joint that moves below the root (hips below
+an armature), that joint becomes the root; other joints have bones of constant length, so the median of theirs counts.
+
+Read are also, as other programs do: rows beyond `Frames:`, byte order marks, keywords in any case, comments (# or //).
 """
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from garmentbench.errors import UserError
-from garmentbench.importing.motions.recording import Recording
+from garmentbench.importing.motions.recording import Recording, world
 
 LARGEST = 80e6  # bytes of a file: some eight minutes, which take 2 GB of memory
 _REMAKE = "export the motion as BVH again"
-_CHANNELS = {f"{axis}{kind}" for axis in "XYZ" for kind in ("position", "rotation")}
+_CHANNELS = {f"{axis}{kind}".lower(): f"{axis}{kind}" for axis in "XYZ" for kind in ("position", "rotation")}
 _FASTEST = 1000.0  # frames a second
-_HEAD = re.compile(r"\s*Frames:\s*(\S+)\s+Frame\s+Time:\s*(\S+)")
+_HEAD = re.compile(r"\s*Frames:\s*(\S+)\s+Frame\s+Time:\s*(\S+)", re.IGNORECASE)
+_COMMENT = re.compile(r"(?:^|(?<=\s))(?:#|//).*$", re.MULTILINE)
+_RATES = (24, 25, 30, 48, 50, 60, 72, 90, 100, 120, 125, 144, 200, 240)  # of which frame times are the rounded inverse
+_MOVING = 0.01  # of the skeleton's size: a joint's position channels that vary by more are a path, not a bone
+_ALMOST_ALL = 0.8  # of the joints: what hangs from the joint that carries the motion
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 
 
@@ -53,8 +60,12 @@ class _Words:
         return " ".join(words)
 
 
-def read_bvh(path: Path) -> Recording:
+def read_bvh(path: Path, fps: float | None = None) -> Recording:
     """Read a BVH file.
+
+    Args:
+        path: The file.
+        fps: Frames a second, in place of what the file says; None: as it says.
 
     Returns:
         The recording in the file's own unit and axes. The end of a chain below joint "X" is called "X end".
@@ -63,20 +74,24 @@ def read_bvh(path: Path) -> Recording:
         UserError: The file can't be read, is cut off, or has text, too few or too many numbers somewhere.
     """
     text = _text(path)
-    head, mark, motion = text.partition("MOTION")
-    if not head.lstrip().startswith("HIERARCHY") or not mark:
-        missing = "MOTION" if head.lstrip().startswith("HIERARCHY") else "HIERARCHY"
+    split = re.search(r"^\s*MOTION\b", text, re.IGNORECASE | re.MULTILINE)
+    head = (text if split is None else text[: split.start()]).lstrip()
+    if head[:9].upper() != "HIERARCHY" or split is None:
+        missing = "MOTION" if head[:9].upper() == "HIERARCHY" else "HIERARCHY"
         raise UserError(f"{path}: no BVH file, or cut off: {missing} is missing; {_REMAKE}")
-    joints = _hierarchy(_Words(path, head.lstrip().removeprefix("HIERARCHY")))
-    values, fps = _motion(path, motion, sum(len(j.channels) for j in joints))
-    return _recording(joints, values, fps)
+    joints = _hierarchy(_Words(path, head[9:]))
+    values, rate, notes = _motion(path, text[split.end() :], sum(len(j.channels) for j in joints), fps)
+    return _recording(joints, values, rate, notes)
 
 
 def _text(path: Path) -> str:
     try:
         if path.stat().st_size > LARGEST:
             raise UserError(f"{path}: larger than {LARGEST / 1e6:.0f} MB; cut the motion into shorter files")
-        return path.read_text(encoding="utf-8", errors="replace")
+        data = path.read_bytes()
+        encoding = "utf-16" if data.startswith((b"\xff\xfe", b"\xfe\xff")) else "utf-8-sig"
+        text = data.decode(encoding, errors="replace")
+        return _COMMENT.sub("", text) if "#" in text or "//" in text else text
     except OSError as e:
         raise UserError(f"{path}: can't be read ({e.strerror or e}); wanted a BVH file") from e
 
@@ -93,13 +108,14 @@ def _number(path: Path, word: str, wanted: str) -> float:
 
 def _hierarchy(words: _Words) -> list[_Joint]:
     """All joints of a hierarchy, parents first; ends of chains are joints without channels."""
-    if (word := words.next("ROOT")) != "ROOT":
+    if (word := words.next("ROOT")).upper() != "ROOT":
         raise UserError(f"{words.path}: '{word[:40]}' where ROOT should be; {_REMAKE}")
     joints = [_Joint(words.until_brace("the root's name"), -1)]
     above = [0]  # the joints whose braces are open
     while above:
         joint = joints[above[-1]]
-        match words.next(f"}} after joint '{joint.name}'"):
+        word = words.next(f"}} after joint '{joint.name}'")
+        match word.upper():
             case "OFFSET":
                 joint.offset = [words.number(f"an offset of joint '{joint.name}'") for _ in range(3)]
             case "CHANNELS":
@@ -107,13 +123,13 @@ def _hierarchy(words: _Words) -> list[_Joint]:
             case "JOINT":
                 joints.append(_Joint(words.until_brace("a joint's name"), above[-1]))
                 above.append(len(joints) - 1)
-            case "End":
+            case "END":
                 words.until_brace("Site")
                 joints.append(_Joint(f"{joint.name} end", above[-1]))
                 above.append(len(joints) - 1)
             case "}":
                 above.pop()
-            case word:
+            case _:
                 raise UserError(
                     f"{words.path}: '{word[:40]}' in joint '{joint.name}'; wanted OFFSET, CHANNELS, JOINT, "
                     f"End Site or }}; {_REMAKE}"
@@ -131,7 +147,8 @@ def _channels(words: _Words, joint: _Joint) -> list[str]:
     if count not in range(7):
         raise UserError(f"{words.path}: joint '{joint.name}' has {count:g} channels; wanted 0 to 6; {_REMAKE}")
     channels = [words.next(f"channels of joint '{joint.name}'") for _ in range(int(count))]
-    bad = [c for c in channels if c not in _CHANNELS] + [c for c in set(channels) if channels.count(c) > 1]
+    channels = [_CHANNELS.get(c.lower(), c) for c in channels]
+    bad = [c for c in channels if c.lower() not in _CHANNELS] + [c for c in set(channels) if channels.count(c) > 1]
     if bad:
         raise UserError(
             f"{words.path}: channel '{bad[0][:40]}' of joint '{joint.name}'; wanted {int(count)} different "
@@ -149,30 +166,54 @@ def _check(path: Path, joints: list[_Joint]) -> None:
             raise UserError(f"{path}: two joints are called '{joint.name}'; rename one of them")
 
 
-def _motion(path: Path, text: str, channels: int) -> tuple[np.ndarray, float]:
-    """The numbers of all frames, shape (T, channels), and the frame rate."""
+def _motion(path: Path, text: str, channels: int, fps: float | None) -> tuple[np.ndarray, float, list[str]]:
+    """The numbers of all frames, shape (T, channels), the frame rate, and notes on both."""
     head = _HEAD.match(text)
     if head is None:
         raise UserError(f"{path}: MOTION does not begin with 'Frames:' and 'Frame Time:'; {_REMAKE}")
     frames, period = _number(path, head[1], "the number of frames"), _number(path, head[2], "the frame time")
     if frames < 1 or frames != int(frames):
         raise UserError(f"{path}: {head[1][:40]} frames; wanted at least one; {_REMAKE}")
-    if period < 1 / _FASTEST or period > 10:
+    if fps is None and (period < 1 / _FASTEST or period > 10):
         raise UserError(
-            f"{path}: frame time is {period:g} s; wanted {1 / _FASTEST:g} to 10 s; mend the line 'Frame Time:'"
+            f"{path}: frame time is {period:g} s; wanted {1 / _FASTEST:g} to 10 s; say how many frames a second it has "
+            "with --recording-fps"
         )
-    values = _numbers(path, text[head.end() :], channels)
-    if channels == 0 or len(values) != int(frames) * channels:
+    values, rows = _numbers(path, text[head.end() :], channels)
+    surplus = len(values) - int(frames) * channels
+    if channels == 0 or surplus < 0 or (surplus and (rows is None or rows * channels != len(values))):
         raise UserError(
             f"{path}: {len(values)} numbers where {int(frames)} frames of {channels} channels want "
             f"{int(frames) * channels}: cut off, or the hierarchy is another's; {_REMAKE}"
         )
-    return values.reshape(int(frames), channels), 1 / period
+    values = values.reshape(-1, channels)
+    notes = [f"{len(values)} rows where 'Frames:' says {int(frames)}: all of them read"] if surplus else []
+    if fps is not None:
+        stated = f"{1 / period:.4g}" if period > 0 else head[2]
+        return values, fps, [*notes, f"{fps:g} frames a second, as --recording-fps says; the file says {stated}"]
+    rate = _rate(head[2], period)
+    if abs(rate * period - 1) > 1e-4:
+        notes.append(f"frame time {head[2]} s: taken as 1/{rate:g} s, rounded")
+    return values, rate, notes
 
 
-def _numbers(path: Path, text: str, channels: int) -> np.ndarray:
-    """All numbers of a text, line by line, so that never more than a line is there as words."""
-    rows, count = [np.zeros(0)], 0
+def _rate(word: str, period: float) -> float:
+    """Frames a second of a frame time [s] as it is written: of 0.033 and .0333332 30, though 1/0.033 is 30.3."""
+    nearest = round(1 / period)
+    if nearest and abs(1 / period - nearest) < 1e-9 * nearest:
+        return 1 / period
+    decimals = len(word.partition(".")[2]) if "e" not in word.lower() else 0
+    half = 0.5 * 10.0**-decimals if decimals >= 3 else 0.0
+    for rate in (*_RATES, nearest):
+        if rate and abs(period - 1 / rate) <= max(half * (rate in _RATES), 1e-5 / rate):
+            return float(rate)
+    return 1 / period
+
+
+def _numbers(path: Path, text: str, channels: int) -> tuple[np.ndarray, int | None]:
+    """All numbers of a text, line by line, so that never more than a line is there as words; and the number of lines,
+    None where not every line is a whole frame."""
+    rows, count, lines, even = [np.zeros(0)], 0, 0, True
     for line in text.splitlines():
         words = line.split()
         try:
@@ -185,26 +226,87 @@ def _numbers(path: Path, text: str, channels: int) -> np.ndarray:
             raise UserError(f"{path}: '{words[bad[0]][:40]}' in frame {frame}, where a number should be; {_REMAKE}")
         rows.append(row)
         count += len(row)
-    return np.concatenate(rows)
+        lines += bool(words)
+        even &= len(row) in (0, channels)
+    return np.concatenate(rows), lines if even else None
 
 
-def _recording(joints: list[_Joint], values: np.ndarray, fps: float) -> Recording:
+def _recording(joints: list[_Joint], values: np.ndarray, fps: float, notes: list[str]) -> Recording:
     frames = len(values)
     offsets = np.array([j.offset for j in joints])
     rotations = np.tile(np.eye(3), (frames, len(joints), 1, 1))
-    root = np.tile(offsets[0], (frames, 1))
+    paths: dict[int, np.ndarray] = {}  # of joints with position channels, in the parent's frame, shape (T, 3)
     column = 0
     for i, joint in enumerate(joints):
         own = values[:, column : column + len(joint.channels)]
         column += len(joint.channels)
         turns = [c for c, channel in enumerate(joint.channels) if channel.endswith("rotation")]
-        for c, channel in enumerate(joint.channels):
-            if channel.endswith("position") and i == 0:
-                root[:, "XYZ".index(channel[0])] = own[:, c]
-            elif channel.endswith("position"):
-                offsets[i, "XYZ".index(channel[0])] = np.median(own[:, c])
+        moves = [c for c, channel in enumerate(joint.channels) if channel.endswith("position")]
+        if moves or i == 0:
+            paths[i] = np.tile(offsets[i], (frames, 1))
+            paths[i][:, ["XYZ".index(joint.channels[c][0]) for c in moves]] = own[:, moves]
+            offsets[i] = offsets[i] if i == 0 else np.median(paths[i], axis=0)
         if turns:
             axes = "".join(joint.channels[c][0] for c in turns)  # capitals: each about the axes as already turned
             rotations[:, i] = Rotation.from_euler(axes, own[:, turns], degrees=True).as_matrix()
     parents = np.array([j.parent for j in joints])
-    return Recording(tuple(j.name for j in joints), parents, offsets, rotations, root, fps)
+    complete = Recording(tuple(j.name for j in joints), parents, offsets, rotations, paths[0], fps)
+    return _from_moving_joint(complete, paths, notes)
+
+
+def _from_moving_joint(recording: Recording, paths: dict[int, np.ndarray], notes: list[str]) -> Recording:
+    """The recording with the joint as its root that carries the motion: the last one with a path of its own from which
+    almost the whole skeleton hangs."""
+    size = np.ptp(world(recording.rest_pose())[1][0], axis=0).max()
+    moving = [i for i, path in paths.items() if i and np.ptp(path, axis=0).max() > _MOVING * size]
+    below = {i: _below(recording.parents, i) for i in moving}
+    above = {i: _above(recording.parents, i) for i in moving}
+    carriers = [i for i in moving if len(below[i]) >= _ALMOST_ALL * (len(recording.names) - len(above[i]))]
+    root = carriers[-1] if carriers else 0
+    others = [i for i in moving if i not in carriers]
+    if others:
+        names = ", ".join(f"'{recording.names[i]}'" for i in others[:5]) + (" ..." if len(others) > 5 else "")
+        notes.append(f"position channels of {names} change a bone's length: their median is taken")
+    if root == 0:
+        return replace(recording, notes=tuple(notes))
+    turn, place = np.tile(np.eye(3), (len(recording), 1, 1)), np.zeros((len(recording), 3))
+    for i in reversed(above[root]):
+        place = place + (turn @ paths.get(i, np.tile(recording.offsets[i], (len(recording), 1)))[..., None])[..., 0]
+        turn = turn @ recording.rotations[:, i]
+    place = place + (turn @ paths[root][..., None])[..., 0]
+    axes = turn[0].T  # a turn of all that is above is a choice of axes, which are found out later
+    rotations = recording.rotations.copy()
+    rotations[:, root] = axes @ turn @ recording.rotations[:, root]
+    kept = below[root]
+    lost = [recording.names[i] for i in range(len(recording.names)) if i not in kept and i not in above[root]]
+    notes.append(
+        f"root: '{recording.names[root]}', whose path is its own, below '{recording.names[above[root][0]]}'"
+        + (f"; left out beside it: {', '.join(lost[:5])}" if lost else "")
+    )
+    number = {old: new for new, old in enumerate(kept)}
+    return Recording(
+        tuple(recording.names[i] for i in kept),
+        np.array([number.get(int(recording.parents[i]), -1) for i in kept]),
+        recording.offsets[kept],
+        rotations[:, kept],
+        place @ axes.T,
+        recording.fps,
+        tuple(notes),
+    )
+
+
+def _above(parents: np.ndarray, joint: int) -> list[int]:
+    """The joints above one, its parent first."""
+    out = []
+    while (joint := int(parents[joint])) >= 0:
+        out.append(joint)
+    return out
+
+
+def _below(parents: np.ndarray, joint: int) -> list[int]:
+    """A joint and all that hang from it, parents first."""
+    out = [joint]
+    for i in range(joint + 1, len(parents)):
+        if parents[i] in out:
+            out.append(i)
+    return out

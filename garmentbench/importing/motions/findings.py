@@ -29,12 +29,21 @@ def findings(imported: ImportedClip, baked: BakedBody) -> Iterator[str]:
         f"result: {len(clip)} frames at {clip.fps:g} a second on body {baked.body.name}; "
         f"left foot on the ground in {share[0]:.0f} %, right in {share[1]:.0f} %"
     )
-    before = "" if imported.unplanted is None else f" (before planting {foot_slide_cm(imported.unplanted, baked):.2f})"
-    low, high = (round(height, 2) + 0.0 for height in foot_heights_cm(clip, baked))  # no -0.00
-    yield (
-        f"feet: slide {foot_slide_cm(clip, baked):.2f} cm a frame at most while they stand{before}; "
-        f"their lowest point is then at {low:.2f} to {high:.2f} cm"
-    )
+    for side, never in zip(("left", "right"), ~clip.standing.any(axis=0), strict=True):
+        if never:
+            yield (
+                f"warning: the {side} foot never stands: right only for somebody who jumps or hops throughout; else the "
+                "recording floats, sinks or jitters (look at --picture), or its rate is wrong (--recording-fps)"
+            )
+    slide, heights = foot_slide_cm(clip, baked), foot_heights_cm(clip, baked)
+    if slide is not None and heights is not None:
+        before = None if imported.unplanted is None else foot_slide_cm(imported.unplanted, baked)
+        low, high = (round(height, 2) + 0.0 for height in heights)  # no -0.00
+        yield (
+            f"feet: slide {slide:.2f} cm a frame at most while they stand"
+            + ("" if before is None else f" (before planting {before:.2f})")
+            + f"; their lowest point is then at {low:.2f} to {high:.2f} cm"
+        )
     yield arms_line(100 * arms_inside(clip, baked), imported.choices.arm_space)
 
 
@@ -55,6 +64,11 @@ def arms_line(inside: float, arm_space: float) -> str:
 def _skeleton(imported: ImportedClip) -> Iterator[str]:
     recording, upright = imported.recording, imported.upright
     yield f"recording: {len(recording)} frames at {recording.fps:.4g} a second, {recording.seconds:.2f} s, {len(recording.names)} joints"
+    yield from recording.notes
+    if upright.mirrored:
+        yield "handedness: toes and knees point backwards, as in left-handed axes: mirrored"
+    elif upright.mirrored is None:
+        yield "handedness: right-handed axes assumed; it has no toes and no bent knees that would tell"
     if upright.dropped:
         yield f"left out at the start: a rest pose and the jump from it ({upright.dropped} frames)"
     yield (
@@ -79,11 +93,11 @@ def _jumps(imported: ImportedClip) -> Iterator[str]:
     speed = np.linalg.norm(np.diff(positions[:, joints], axis=0), axis=-1) * recording.fps
     fast = np.flatnonzero(speed.max(axis=1, initial=0) > _FASTEST)
     if len(fast):
-        first, last = ((imported.upright.dropped + f) / recording.fps for f in (fast[0], fast[-1]))
+        first, last = (imported.upright.start + f / recording.fps for f in (fast[0], fast[-1]))
         joint = recording.names[joints[speed[fast[0]].argmax()]]
         yield (
             f"jumps: {len(fast)} frames from {first:.2f} to {last:.2f} s, {joint} first, at up to {speed.max():.0f} m/s: "
-            "faults of the recording; --start and --stop cut them off"
+            "faults of the recording; --start and --stop cut them off, before anything else is made of it"
         )
 
 
@@ -95,22 +109,23 @@ def _uneven(imported: ImportedClip) -> np.ndarray:
     return standing_height(ankles, slow)
 
 
-def foot_slide_cm(clip: Clip, baked: BakedBody) -> float:
-    """The most that a standing foot's lowest vertex moves along the ground from one frame to the next [cm]."""
-    slides = [0.0]
+def foot_slide_cm(clip: Clip, baked: BakedBody) -> float | None:
+    """The most that a standing foot's lowest vertex moves along the ground from one frame to the next [cm]; None where no
+    foot stands for two frames."""
+    slides: list[float] = []
     for k, foot in enumerate(_feet(clip, baked)):
         lowest = foot[:-1, :, 2].argmin(axis=1)
         frames = np.arange(len(lowest))
         moved = np.linalg.norm((foot[frames + 1, lowest] - foot[frames, lowest])[:, :2], axis=1)
         slides += list(moved[clip.standing[1:, k] & clip.standing[:-1, k]])
-    return 100 * max(slides)
+    return 100 * max(slides) if slides else None
 
 
-def foot_heights_cm(clip: Clip, baked: BakedBody) -> tuple[float, float]:
-    """Lowest and highest that a standing foot's lowest vertex is [cm]; 0 where no foot stands."""
+def foot_heights_cm(clip: Clip, baked: BakedBody) -> tuple[float, float] | None:
+    """Lowest and highest that a standing foot's lowest vertex is [cm]; None where no foot stands."""
     heights = [foot[..., 2].min(axis=1)[clip.standing[:, k]] for k, foot in enumerate(_feet(clip, baked))]
     heights = np.concatenate(heights)
-    return (100 * heights.min(), 100 * heights.max()) if len(heights) else (0.0, 0.0)
+    return (100 * heights.min(), 100 * heights.max()) if len(heights) else None
 
 
 def _feet(clip: Clip, baked: BakedBody) -> Iterator[np.ndarray]:

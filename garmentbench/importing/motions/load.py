@@ -4,14 +4,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from garmentbench.errors import UserError
-from garmentbench.importing.motions.amass import amass_recording, is_amass
+from garmentbench.importing.motions.amass import ARRAYS, amass_recording, is_amass
 from garmentbench.importing.motions.bvh import read_bvh
 from garmentbench.importing.motions.names import NameMap, map_names
 from garmentbench.importing.motions.recording import Recording
 from garmentbench.importing.motions.retarget import retarget
 from garmentbench.importing.motions.skeleton import Upright, bring_upright
 from garmentbench.motion.arms import turn_out
-from garmentbench.motion.clip import Clip, part
+from garmentbench.motion.clip import Clip
 from garmentbench.motion.clip_animation import load_clip
 from garmentbench.motion.planting import plant
 from garmentbench.scenes.bodies import BakedBody
@@ -26,12 +26,14 @@ class Choices:
         start, stop: Only this part of it [s]; None: to its end.
         arm_space: Hanging arms are turned outward by this [degrees].
         names: The recording's joint -> ours, where its names are unknown.
+        recording_fps: Frames a second of the recording, in place of what its file says; None: as it says.
     """
 
     start: float = 0.0
     stop: float | None = None
     arm_space: float = 0.0
     names: dict[str, str] = field(default_factory=dict)
+    recording_fps: float | None = None
 
 
 @dataclass(frozen=True)
@@ -61,30 +63,33 @@ def import_clip(path: Path, baked: BakedBody, fps: float, choices: Choices = Cho
     Raises `UserError` for a file that is none of these, cut off or malformed, and for times outside it; `UsageError` for
     wrong names in the map.
     """
-    found = _read(path)
+    found = _read(path, choices.recording_fps)
     if found is None:
         clip = load_clip(path, baked, fps, choices.start, choices.stop, choices.arm_space)
         return ImportedClip(clip, choices)
-    if found.seconds * fps < 1 - 1e-6:
-        raise UserError(
-            f"{path}: {len(found)} frames at {found.fps:.4g} a second; wanted two or more at {fps:g} a second"
-        )
+    _check_length(path, found, fps)
     names = map_names(found.names, choices.names, str(path))
     joints = {ours: found.names.index(theirs) for ours, theirs in names.joints.items()}
-    upright = bring_upright(found, joints, baked, str(path))
-    clip = retarget(upright.at_rate(fps), baked)
-    first, last = part(path, (len(clip) - 1) / fps, fps, choices.start, choices.stop)
-    unplanted = turn_out(clip.frames(first, last + 1), choices.arm_space, baked)
+    upright = bring_upright(found, joints, baked, path, choices.start, choices.stop)
+    _check_length(path, upright.recording, fps)
+    unplanted = turn_out(retarget(upright.at_rate(fps), baked), choices.arm_space, baked)
     return ImportedClip(plant(unplanted, baked), choices, unplanted, found, names, upright)
 
 
-def _read(path: Path) -> Recording | None:
+def _check_length(path: Path, recording: Recording, fps: float) -> None:
+    if recording.seconds * fps < 1 - 0.01:
+        raise UserError(
+            f"{path}: {len(recording)} frames at {recording.fps:.4g} a second; wanted two or more at {fps:g} a second"
+        )
+
+
+def _read(path: Path, fps: float | None) -> Recording | None:
     """The recording in a file; None where that is not one of another program's, as a clip's own."""
     if not path.is_file():
         raise UserError(f"{path}: no such file; wanted a motion (.bvh or .npz)")
     if path.suffix.lower() == ".bvh":
-        return read_bvh(path)
+        return read_bvh(path, fps)
     if path.suffix.lower() != ".npz":
         raise UserError(f"{path}: wanted a motion as .bvh or .npz; export it as BVH")
-    arrays = read_arrays(path, "a motion", "copy or make it again")
-    return amass_recording(arrays, path) if is_amass(arrays) else None
+    arrays = read_arrays(path, "a motion", "copy or make it again", (*ARRAYS, "kind"))
+    return amass_recording(arrays, path, fps) if "kind" not in arrays or is_amass(arrays) else None

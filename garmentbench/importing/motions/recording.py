@@ -20,6 +20,7 @@ class Recording:
         rotations: Of each joint against its parent's frame, shape (T, J, 3, 3), float64.
         root: World position of the root joint [the recording's unit], shape (T, 3).
         fps: Frames a second.
+        notes: What was found and done while reading, for the user.
     """
 
     names: tuple[str, ...]
@@ -28,6 +29,7 @@ class Recording:
     rotations: np.ndarray
     root: np.ndarray
     fps: float
+    notes: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return len(self.root)
@@ -70,11 +72,13 @@ def world(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
 def resample(recording: Recording, fps: float) -> Recording:
     """A recording of two frames or more at another frame rate: rotations by spherical interpolation, from the first frame on.
 
+    The last frame is kept where rounded times make it fall short by a hundredth of a frame.
+
     What is faster than the new rate can show is filtered out first, so that it does not come back as jitter.
     """
     width = _SHARPEST * recording.fps / fps
     old = np.arange(len(recording)) / recording.fps
-    new = np.arange(int(recording.seconds * fps + 1e-6) + 1) / fps
+    new = np.arange(int(recording.seconds * fps + 0.01) + 1) / fps
     new = np.minimum(new, old[-1])
     rotations = np.empty((len(new),) + recording.rotations.shape[1:])
     for joint in range(len(recording.names)):

@@ -1,11 +1,13 @@
-"""What a recorded skeleton tells by itself: which way is up, its unit, and rows that are no motion."""
+"""What a recorded skeleton tells by itself: which way is up, its unit, whether it is a mirror image, and rows that are no motion."""
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
 from garmentbench.errors import UserError
 from garmentbench.importing.motions.recording import Recording, resample, world
+from garmentbench.motion.clip import part
 from garmentbench.motion.legs import unit
 from garmentbench.scenes.bodies import BakedBody
 
@@ -18,6 +20,10 @@ _NO_MOTION = 12.0  # [m/s]: so fast no joint moves against the hips, but a rest 
 _MOTION = 4.0  # [m/s]
 _LEAD = 0.1  # [s]
 _STRAIGHT = np.cos(np.radians(25))  # an elbow that is bent by less in a T-pose is meant to be straight
+_BENT = (
+    0.03  # how far ahead knees are of the line from hip to ankle, over the thigh's length, to tell which way that is
+)
+_POINTS = 0.3  # cosine between a foot and the way ahead that tells
 _ACROSS = 0.9  # how much of an upper arm is across the body in a T-pose
 
 
@@ -31,7 +37,9 @@ class Upright:
         up: Its own up axis, e.g. "y".
         unit: Its own unit, as its height suggests.
         height: The person's height in that unit [m].
+        mirrored: Was it a mirror image (left-handed axes), which here is turned back? None: nothing told.
         dropped: Rows left out at the start because they show a rest pose.
+        start: Where the part that was asked for begins, after those rows [s].
         rest: The rest pose (one frame): the first of these rows, or that of rotations that are all zero.
         straightened: By how much the elbows of its T-pose are bent, which here are straight [degrees].
     """
@@ -41,7 +49,9 @@ class Upright:
     up: str
     unit: str
     height: float
+    mirrored: bool | None
     dropped: int
+    start: float
     rest: Recording
     straightened: float
 
@@ -50,26 +60,74 @@ class Upright:
         return replace(self, recording=resample(self.recording, fps))
 
 
-def bring_upright(recording: Recording, joints: dict[str, int], baked: BakedBody, where: str) -> Upright:
-    """Find out axes and size of a recording. Raises `UserError` where no axis is up or a bone has no length."""
-    _, positions = world(recording)
-    up = _up_axis(positions, joints, where)
-    _check_bones(positions, joints, where)
-    legs = _leg_length(positions, joints)
+def bring_upright(
+    recording: Recording,
+    joints: dict[str, int],
+    baked: BakedBody,
+    path: Path,
+    start: float = 0.0,
+    stop: float | None = None,
+) -> Upright:
+    """Find out axes, size and handedness of a recording's part from `start` to `stop` [s], as if the rest did not exist.
+
+    Raises `UserError` where the part is not inside it, no axis is up or a bone has no length.
+    """
+    first_frame = world(recording.frames(0, 1))[1]
+    _check_bones(first_frame, joints, path)
+    legs = _leg_length(first_frame, joints)
     ours = _leg_length(baked.joints[None], {name: i for i, name in enumerate(baked.joint_names)})
     height = np.ptp(baked.body.rest[:, 2]) * legs / ours
     unit = min(UNITS, key=lambda u: abs(np.log(height * UNITS[u] / 1.7)))
     if not _ADULT[0] < height * UNITS[unit] < _ADULT[1]:
         unit = "an unknown unit"
-    scaled = recording.in_axes(_turn_to_z(_AXES[up]), ours / legs)
+    scaled = recording.in_axes(np.eye(3), ours / legs)
     dropped = _rest_rows(scaled, joints)
-    scaled, bend = _straight_elbows(scaled, joints)
     rest = scaled.frames(0, 1) if dropped else scaled.rest_pose()
     motion = scaled.frames(dropped, len(scaled))
-    return Upright(motion, joints, up, unit, height * UNITS.get(unit, np.nan), dropped, rest, bend)
+    first, last = part(path, motion.seconds, motion.fps, start, stop)
+    motion = motion.frames(first, last + 1)
+    _, positions = world(motion)
+    up = _up_axis(positions, joints, path)
+    _check_bones(positions, joints, path)
+    mirrored = _is_mirrored(positions, joints, _AXES[up])
+    turn = _turn_to_z(_AXES[up]) @ (_mirror(_AXES[up]) if mirrored else np.eye(3))
+    motion, bend = _straight_elbows(motion.in_axes(turn), joints)
+    rest = replace(rest.in_axes(turn), offsets=motion.offsets)
+    return Upright(motion, joints, up, unit, height * UNITS.get(unit, np.nan), mirrored, dropped, start, rest, bend)
 
 
-def _up_axis(positions: np.ndarray, joints: dict[str, int], where: str) -> str:
+def _is_mirrored(positions: np.ndarray, joints: dict[str, int], up: np.ndarray) -> bool | None:
+    """Do toes and knees, positions of shape (T, J, 3), point to the back of who has left and right where the names say?
+    None where neither tells: no toes, straight knees."""
+
+    def at(name: str) -> np.ndarray:
+        return np.stack([positions[:, joints[f"{name}.{side}"]] for side in "LR"], axis=1)
+
+    hips, knees, ankles = (at(name) for name in ("thigh", "calf", "foot"))
+    ahead = unit(np.cross(hips[:, 0] - hips[:, 1], up))[:, None]
+    bent = (
+        knees
+        - hips
+        - (ankles - hips)
+        * (
+            np.sum((knees - hips) * (ankles - hips), axis=-1) / np.maximum(np.sum((ankles - hips) ** 2, axis=-1), 1e-12)
+        )[..., None]
+    )
+    told = float(np.mean(np.sum(bent * ahead, axis=-1)) / np.linalg.norm(knees - hips, axis=-1).mean()) / _BENT
+    if "toes.L" in joints and "toes.R" in joints:
+        feet = at("toes") - ankles
+        told += (
+            float(np.mean(np.sum(feet * ahead, axis=-1)) / max(np.linalg.norm(feet, axis=-1).mean(), 1e-12)) / _POINTS
+        )
+    return None if abs(told) < 1 else told < 0
+
+
+def _mirror(up: np.ndarray) -> np.ndarray:
+    """The mirroring of an axis that is not up, shape (3, 3)."""
+    return np.diag([1.0, -1.0, 1.0] if up[0] else [-1.0, 1.0, 1.0])
+
+
+def _up_axis(positions: np.ndarray, joints: dict[str, int], where: Path) -> str:
     """The axis along which the chest is from the feet, most of the time."""
     feet = positions[:, [joints["foot.L"], joints["foot.R"]]].mean(axis=1)
     body = np.median(positions[:, joints["chest"]] - feet, axis=0)
@@ -81,7 +139,7 @@ def _up_axis(positions: np.ndarray, joints: dict[str, int], where: str) -> str:
     return up
 
 
-def _check_bones(positions: np.ndarray, joints: dict[str, int], where: str) -> None:
+def _check_bones(positions: np.ndarray, joints: dict[str, int], where: Path) -> None:
     """Raises `UserError` where two joints that give a bone its direction are at one place."""
     bones = [(f"{a}.{side}", f"{b}.{side}") for side in "LR" for a, b in _BONES] + [
         (f"{a}.L", f"{a}.R") for a in ("thigh", "upper_arm")

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from garmentbench.errors import UserError
-from garmentbench.importing.motions.amass import amass_motion
+from garmentbench.importing.motions.amass import ARRAYS, amass_motion
 from garmentbench.progress import track
 from garmentbench.storage.atomic import written_whole
 from garmentbench.storage.npz import read_arrays
@@ -33,7 +33,7 @@ def write_own_body(file: Path, models: Path, fps: float, out: Path) -> str:
     Raises:
         UserError: The package or the model file is missing, or the recording is malformed.
     """
-    arrays = read_arrays(file, "an AMASS recording", "copy or make it again")
+    arrays = read_arrays(file, "an AMASS recording", "copy or make it again", (*ARRAYS, "betas"))
     poses, trans, rate = amass_motion(arrays, file)
     kind = "smplx" if poses.shape[1] >= _SMPLX_POSES else "smpl"
     model = _model(arrays, kind, models, file)
@@ -57,6 +57,16 @@ def write_own_body(file: Path, models: Path, fps: float, out: Path) -> str:
     return f"{len(positions)} frames of {positions.shape[1]} vertices at {rate / step:g} a second, {kind} model"
 
 
+def _gender(file: Path) -> str:
+    """What the file says; neutral where it says nothing, or only in a Python object, which is not read."""
+    try:
+        said = read_arrays(file, "an AMASS recording", "copy or make it again", ("gender",)).get("gender", "")
+    except UserError:
+        return "neutral"
+    gender = str(said).strip("b'\"").lower()
+    return gender if gender in _GENDERS else "neutral"
+
+
 def _model(arrays: dict[str, np.ndarray], kind: str, models: Path, file: Path):
     try:
         import smplx
@@ -65,8 +75,7 @@ def _model(arrays: dict[str, np.ndarray], kind: str, models: Path, file: Path):
             f"{file}: its own body needs the package smplx, which is not installed: pip install smplx, and get the model "
             "files from https://smpl.is.tue.mpg.de; without --smplx-models the motion is retargeted to our body"
         ) from e
-    gender = str(arrays.get("gender", "neutral")).strip("b'\"").lower()
-    gender = gender if gender in _GENDERS else "neutral"
+    gender = _gender(file)
     wanted = models / kind / f"{kind.upper()}_{gender.upper()}.{'npz' if kind == 'smplx' else 'pkl'}"
     if not wanted.is_file():
         raise UserError(

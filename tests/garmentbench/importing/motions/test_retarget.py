@@ -167,7 +167,7 @@ def test_arm_space_turns_hanging_arms_out_and_leaves_raised_ones(tmp_path):
 def test_part_of_a_recording(tmp_path):
     walk = bvh_example.own_walk(BASE, 61)
     part = loaded(tmp_path, walk, start=0.5, stop=1.0).unplanted
-    np.testing.assert_allclose(part.rotations, loaded(tmp_path, walk).unplanted.rotations[15:31])
+    np.testing.assert_allclose(part.rotations, loaded(tmp_path, walk).unplanted.rotations[15:31], atol=0.01)
     for start, stop in ((0.0, 2.5), (1.0, 1.0), (-1.0, 1.0)):
         with pytest.raises(UserError, match="it has 0 to 2.00 s"):
             loaded(tmp_path, walk, start=start, stop=stop)
@@ -180,7 +180,9 @@ def test_names_are_guessed_or_given(tmp_path):
         assert found.convention == "Mixamo" and found.joints["chest"] == f"{prefix}Spine2"
     strange = bvh_example.t_pose()
     strange.names[strange.names.index("LeftArm")] = "Brachium"
-    with pytest.raises(UserError, match="no joint found for upper_arm.L .* --map Hips=upper_arm.L"):
+    with pytest.raises(
+        UserError, match="no joint found for upper_arm.L .* --map 'NAME=upper_arm.L'. Not yet used: .*Brachium"
+    ):
         loaded(tmp_path, strange)
     found = loaded(tmp_path, strange, names={"Brachium": "upper_arm.L"})
     assert found.names.joints["upper_arm.L"] == "Brachium" and "upper_arm  Brachium | RightArm" in found.names.lines()
