@@ -10,11 +10,13 @@ from garmentbench.evals.experiment import Experiment, Work, about, failed_row, f
 from garmentbench.evals.paper_numbers import paper_cell
 from garmentbench.evaluation.results import Row
 from garmentbench.metrics import metric
+from garmentbench.reference import make_reference
 from garmentbench.report.cells import ABSENT, best, number, status_cell, value_cell
 from garmentbench.report.lines import REFERENCE, Line, Value, label, order
 from garmentbench.report.table import Cell, Table
 from garmentbench.scenes.presets import Preset
-from garmentbench.scenes.scene import Scene, load_scene
+from garmentbench.scenes.scene import Scene
+from garmentbench.scenes.wardrobe import load_scene
 from garmentbench.storage.jobs import Job
 from garmentbench.storage.runs import Run, RunStore
 
@@ -123,7 +125,7 @@ class Comparison(Experiment):
     def trial_rows(self, trial: Trial, preset: Preset, results: dict[tuple, Any]) -> list[Row]:
         """The rows of one trial: what its run measured, or that it failed."""
         entry, scene = trial.entry, trial.test
-        frames = min(entry.train_frames, preset.frame_limit or entry.train_frames)
+        frames = preset.mesh.limited(entry.train_frames)
         columns = about(
             self.table,
             preset,
@@ -205,18 +207,18 @@ def _jobs(trial: Trial, trials: list[Trial], preset: Preset) -> list[Job]:
 
 
 def _simulate(scene: Scene, preset: Preset) -> Path:
-    return pipeline.make_sequence(scene.name, preset)
+    return make_reference(scene, preset).path
 
 
 def _train(*inputs: Any) -> str:
     *_, trial, preset = inputs
-    scenes, frames = [scene.name for scene in trial.train], trial.entry.train_frames
-    return pipeline.train(trial.choice, scenes, preset, frames, trial.seed, RunStore()).id
+    frames = trial.entry.train_frames
+    return pipeline.train(trial.choice, trial.train, preset, frames, trial.seed, RunStore()).id
 
 
 def _evaluate(trained: str, _: Path, trial: Trial, preset: Preset) -> str:
     store = RunStore()
-    return pipeline.evaluate(store.get(trained), trial.test.name, preset, store).id
+    return pipeline.evaluate(store.get(trained), trial.test, preset, store).id
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from garmentbench.evaluation.score import score
 from garmentbench.report.cells import ABSENT, number
 from garmentbench.report.table import Cell, Table
 from garmentbench.scenes.presets import Preset
-from garmentbench.scenes.scene import load_scene
+from garmentbench.scenes.wardrobe import load_scene
 from garmentbench.sequence import HUMAN, Sequence
 from garmentbench.storage.jobs import Failure, Job
 from garmentbench.storage.runs import RunStore
@@ -137,7 +137,7 @@ def _build(sequence: Sequence, preset: Preset) -> _Built:
 
     with tempfile.TemporaryDirectory() as folder:
         with RunStore(Path(folder)).open("train", {"what": LEFT_OUT}) as run:
-            method = MotionGuided.fit((sequence,), _few_steps(config_for(preset.name)), run)
+            method = MotionGuided.fit((sequence,), _few_steps(config_for(preset.model)), run)
         files = list(Path(folder).glob(f"sdf-*/{WEIGHTS}"))
         sdf = sum(w.numel() for file in files for w in load(file, torch.device("cpu")).values())
         megabytes = sum(file.stat().st_size for file in files) / 1e6

@@ -22,7 +22,8 @@ from garmentbench.report.cells import status_cell, value_cell
 from garmentbench.report.lines import REFERENCE, Line
 from garmentbench.report.table import Cell, Table
 from garmentbench.scenes.presets import Preset
-from garmentbench.scenes.scene import Scene, load_scene
+from garmentbench.scenes.scene import Scene
+from garmentbench.scenes.wardrobe import load_scene
 from garmentbench.sequence import Sequence
 from garmentbench.storage.jobs import Failure
 from garmentbench.storage.runs import Run, RunStore

@@ -46,8 +46,8 @@ if TYPE_CHECKING:  # what type checkers and editors see; `_HOME` is what runs, a
     from garmentbench.scenes.presets import Preset as Preset
     from garmentbench.scenes.presets import preset as preset
     from garmentbench.scenes.scene import Scene as Scene
-    from garmentbench.scenes.scene import load_scene as load_scene
-    from garmentbench.scenes.scene import scene_names as scene_names
+    from garmentbench.scenes.wardrobe import load_scene as load_scene
+    from garmentbench.scenes.wardrobe import scene_names as scene_names
     from garmentbench.sequence import Body as Body
     from garmentbench.sequence import Garment as Garment
     from garmentbench.sequence import Sequence as Sequence
@@ -89,8 +89,8 @@ _HOME = {
     "Preset": "scenes.presets",
     "preset": "scenes.presets",
     "Scene": "scenes.scene",
-    "load_scene": "scenes.scene",
-    "scene_names": "scenes.scene",
+    "load_scene": "scenes.wardrobe",
+    "scene_names": "scenes.wardrobe",
     "Body": "sequence",
     "Garment": "sequence",
     "Sequence": "sequence",

@@ -4,6 +4,7 @@ import difflib
 import os
 import sys
 import traceback
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,15 +21,21 @@ class UsageError(UserError):
     exit_code = 2
 
 
-def unknown_name(kind: str, name: str, known: list[str]) -> UsageError:
-    """A `UsageError` for an unknown `name`, with the nearest known one.
+_NAMED = 5  # names in a message, at most
 
-    >>> print(unknown_name("scene", "tshirt-armspce-90", ["tshirt-armspace-90"]))
-    unknown scene 'tshirt-armspce-90': did you mean 'tshirt-armspace-90'? Known: tshirt-armspace-90
+
+def unknown_name(kind: str, name: str, known: Iterable[str]) -> UsageError:
+    """A `UsageError` for an unknown `name`, with the nearest known ones, at most five.
+
+    >>> print(unknown_name("scene", "tshirt-armspce-90", ["sheet-stick-a", "tshirt-armspace-90"]))
+    unknown scene 'tshirt-armspce-90': did you mean 'tshirt-armspace-90'? Known: tshirt-armspace-90, sheet-stick-a
     """
-    near = difflib.get_close_matches(name, known, n=1, cutoff=0.4)
+    known = sorted(known)
+    near = difflib.get_close_matches(name, known, n=_NAMED, cutoff=0.4)
+    named = list(dict.fromkeys([*near, *known]))[:_NAMED]
     hint = f"did you mean '{near[0]}'? " if near else ""
-    return UsageError(f"unknown {kind} '{name}': {hint}Known: {', '.join(sorted(known)) or 'none'}")
+    more = f" and {len(known) - len(named)} more" if len(known) > len(named) else ""
+    return UsageError(f"unknown {kind} '{name}': {hint}Known: {', '.join(named) or 'none'}{more}")
 
 
 def described(error: BaseException, raised_by: type) -> str:

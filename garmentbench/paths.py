@@ -10,6 +10,7 @@ from pathlib import Path
 HOME_VARIABLE = "GARMENTBENCH_HOME"  # worker processes inherit it
 PACKAGE = Path(__file__).resolve().parent
 DATASETS = PACKAGE / "datasets"
+WARDROBE = DATASETS / "wardrobe.toml"
 SCENES = DATASETS / "scenes"
 BODIES = DATASETS / "bodies"
 GARMENTS = DATASETS / "garments"

@@ -18,9 +18,10 @@ from garmentbench import sequence_file
 from garmentbench.device import device_name, quiet_warp, require_device
 from garmentbench.errors import UsageError, UserError, described, unknown_name
 from garmentbench.method import HISTORY, Method
-from garmentbench.reference import is_file, make_sequence, take_source
+from garmentbench.reference import Source, make_reference
 from garmentbench.scenes.presets import Preset
-from garmentbench.scenes.scene import Scene, load_scene, scene_names
+from garmentbench.scenes.scene import Scene
+from garmentbench.scenes.wardrobe import load_scene, scene_names
 from garmentbench.sequence import GARMENT, HUMAN, OBJECT
 from garmentbench.storage.atomic import write_text
 from garmentbench.storage.fingerprint import content_hash, fingerprint
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
 # What decides an evaluation besides the method: also the form in which the report finds it.
 EVALUATION = ("garmentbench.evaluation.rollout", "garmentbench.evaluation.score", "garmentbench.evaluation.excerpt")
 
-__all__ = ["MethodChoice", "choose_method", "evaluate", "keep", "make_sequence", "require_device", "train", "variants"]
+__all__ = ["MethodChoice", "choose_method", "evaluate", "keep", "require_device", "train", "variants"]
 
 
 @dataclass(frozen=True)
@@ -96,32 +97,30 @@ def choose_method(method: str | type[Method], variant: str, preset: Preset) -> M
     if variant not in known:
         raise unknown_name(f"variant of {method.name}", variant, list(known))
     module = sys.modules[method.__module__]
-    full = module.config_for(preset.name) if hasattr(module, "config_for") else method.Config()
+    full = module.config_for(preset.model) if hasattr(module, "config_for") else method.Config()
     return MethodChoice(method, method.name, variant, known[variant](full))
 
 
-def default_training_scene(method: type[Method], source: str) -> str:
+def default_training_scene(method: type[Method], source: Source) -> Source:
     """What to train on where the user gives only a source to be tested on: the first training scene of its garment.
 
     A method that learns nothing is "trained" on the source itself where there is no such scene. Raises `UsageError`
     for any other method.
     """
     garment, on = _worn(source)
-    for name in scene_names():
-        scene = load_scene(name)
+    for scene in map(load_scene, scene_names()):
         if scene.split == "train" and (scene.garment, _wearer(scene)) == (garment, on):
-            return name
+            return scene
     if not getattr(method, "learns", True):
         return source
-    raise UsageError(f"no training scene has the garment '{garment}' of {source}; give one with --train-scene")
+    raise UsageError(f"no training scene has the garment '{garment}' of {source.name}; give one with --train-scene")
 
 
-def _worn(source: str) -> tuple[str, str]:
+def _worn(source: Source) -> tuple[str, str]:
     """A source's garment, and what kind of thing it is on."""
-    if not is_file(source):
-        scene = load_scene(source)
-        return scene.garment, _wearer(scene)
-    template = sequence_file.load(Path(source)).template
+    if isinstance(source, Scene):
+        return source.garment, _wearer(source)
+    template = sequence_file.load(source.path, frames=1).template
     return template.garment.name, "none" if template.body is None else template.body.kind
 
 
@@ -129,7 +128,9 @@ def _wearer(scene: Scene) -> str:
     return GARMENT if scene.worn_over is not None else OBJECT if scene.body == "stick" else HUMAN
 
 
-def train(choice: MethodChoice, sources: Sequence[str], preset: Preset, frames: int, seed: int, store: RunStore) -> Run:
+def train(
+    choice: MethodChoice, sources: Sequence[Source], preset: Preset, frames: int, seed: int, store: RunStore
+) -> Run:
     """Train a method on the first `frames` of each of one or more sources (fewer where the preset limits them).
 
     Returns:
@@ -144,8 +145,8 @@ def train(choice: MethodChoice, sources: Sequence[str], preset: Preset, frames: 
         raise UsageError(
             f"train: {frames} frames asked for; wanted more than {HISTORY}, which are the history of the next"
         )
-    frames = min(frames, preset.frame_limit or frames)
-    references = [take_source(source, preset) for source in sources]
+    frames = preset.mesh.limited(frames)
+    references = [make_reference(source, preset) for source in sources]
     identity = {
         "method": choice.name,
         "class": _address(choice.method),
@@ -212,7 +213,7 @@ def keep(method: Method, variant: str, origin: str, data: str, store: RunStore) 
     return store.get(run.id)
 
 
-def evaluate(trained: Run, source: str, preset: Preset, store: RunStore) -> Run:
+def evaluate(trained: Run, source: Source, preset: Preset, store: RunStore) -> Run:
     """Roll a trained method out on a source, ask it for single steps, and measure both.
 
     Returns:
@@ -230,7 +231,7 @@ def evaluate(trained: Run, source: str, preset: Preset, store: RunStore) -> Run:
 
     garment = trained.results.get("garment")  # says so where the training is not finished
     method = load_method(trained.identity["class"])
-    reference = take_source(source, preset)
+    reference = make_reference(source, preset)
     about = ("method", "class", "variant", "train_scenes", "train_frames", "seed")
     identity = {key: trained.identity[key] for key in about} | {
         "trained": trained.id,

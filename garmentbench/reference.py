@@ -1,4 +1,4 @@
-"""Making sequences: simulate a scene, measure how far its reference can be relied on, store both; or keep what is there."""
+"""The reference sequence of a scene: simulated once, its trust measured, checked, reused."""
 
 import json
 import sys
@@ -7,11 +7,13 @@ from pathlib import Path
 
 from garmentbench import sequence_file
 from garmentbench.device import has_cuda, quiet_warp
-from garmentbench.errors import UserError
+from garmentbench.errors import UserError, unknown_name
 from garmentbench.paths import GARMENTS, sequence_path
 from garmentbench.scenes.bodies import body_file, body_names
-from garmentbench.scenes.presets import Preset
-from garmentbench.scenes.scene import Scene, inner_scene, load_scene
+from garmentbench.scenes.garments import garment_names, load_garment
+from garmentbench.scenes.presets import MeshSize, Preset
+from garmentbench.scenes.scene import Scene
+from garmentbench.scenes.wardrobe import load_scene
 from garmentbench.sequence import Needs, Sequence, Template
 from garmentbench.sequence_file.layout import KIND, REMAKE, SCHEMA
 from garmentbench.storage import hdf5, lock
@@ -23,63 +25,117 @@ _CODE = (
     "garmentbench.metrics.interpenetration_strict",
     "garmentbench.metrics.self_intersection",
 )
-IDENTITY = "made_from"  # key of a sequence's info: hash of scene, preset, assets and code
+IDENTITY = "made_from"  # key of a sequence's info: hash of scene, mesh size, assets and code
 
 
-def make_sequence(scene_name: str, preset: Preset) -> Path:
-    """The path of a scene's reference sequence, which is simulated unless it is there, made from the same by the same
-    code. Two processes that want the same make it once.
+@dataclass(frozen=True)
+class SequenceFile:
+    """A finished sequence, imported or recorded."""
 
-    Raises `UserError` for a wrong scene, or when the file can't be written.
+    path: Path
+
+    @property
+    def name(self) -> str:
+        """What tables call it: the file's name without its ending."""
+        return self.path.stem
+
+
+Source = Scene | SequenceFile
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A sequence that is there.
+
+    Attributes:
+        name: The scene's name; of a finished file its stem.
+        path: The sequence file.
+        identity: Hash of all that decides it: of scene, assets and code, or of the finished file's contents.
     """
-    scene = load_scene(scene_name)
-    path = sequence_path(preset.name, scene.name)
-    identity = sequence_identity(scene, preset)
+
+    name: str
+    path: Path
+    identity: str
+
+
+def resolve_source(name: str) -> Source:
+    """The scene of that name, or in that TOML file, or the sequence file (.h5) at that path; cheap.
+
+    Raises `UserError` for an unknown scene, for one that names something unknown, and for a file that is no sequence.
+    """
+    if name.endswith(".h5"):
+        sequence_file.content_hash(Path(name))
+        return SequenceFile(Path(name))
+    scene = load_scene(name)
+    check_scene(scene)
+    return scene
+
+
+def check_scene(scene: Scene) -> None:
+    """Raises `UsageError` for a garment, body or motion that does not exist."""
+    from garmentbench.motion import STICK, human_motions, stick_motions
+
+    if scene.garment not in garment_names():
+        raise unknown_name("garment", scene.garment, garment_names())
+    if scene.body not in (STICK, *body_names()):
+        raise unknown_name("body", scene.body, [STICK, *body_names()])
+    motions = stick_motions() if scene.body == STICK else human_motions()
+    if scene.motion.file is None and scene.motion.name not in motions:
+        raise unknown_name("motion", scene.motion.name, motions)
+
+
+def make_reference(source: Source, preset: Preset) -> Reference:
+    """The reference of a scene, which is simulated unless it is there, made from the same by the same code; or a finished
+    file as it is. Two processes that want the same make it once.
+
+    Raises `UserError` for a wrong scene, or when the file can't be read or written.
+    """
+    if isinstance(source, SequenceFile):
+        return Reference(source.name, source.path, sequence_file.content_hash(source.path))
+    path = sequence_path(preset.mesh.name, source.name)
+    identity = reference_identity(source, preset)
     with lock.take(path.with_suffix(".lock")):
         if not _is_made_from(path, identity):
-            sequence = _simulated(scene, preset)
+            sequence = _simulated(source, preset)
             sequence_file.save(replace(sequence, info={**sequence.info, IDENTITY: identity}), path)
-    return path
+    return Reference(source.name, path, identity)
 
 
-def sequence_identity(scene: Scene, preset: Preset) -> str:
-    """Hash of all that decides a reference sequence: the scene, those beneath it, their assets and the code."""
-    inner = inner_scene(scene)
-    code = fingerprint(*_CODE, *_assets(scene, preset))
-    beneath = None if inner is None else sequence_identity(inner, preset)
+def reference_identity(scene: Scene, preset: Preset) -> str:
+    """Hash of all that decides a reference: the scene, those beneath it, their assets, the mesh size and the code."""
+    beneath = None if scene.worn_over is None else reference_identity(scene.worn_over, preset)
+    code = fingerprint(*_CODE, *_assets(scene, preset.mesh))
     scene = replace(scene, worn_over=None, motion=replace(scene.motion, file=None))  # where files lie does not matter
-    return content_hash({"scene": scene, "beneath": beneath, "preset": preset, "code": code})
+    return content_hash({"scene": scene, "beneath": beneath, "mesh": preset.mesh, "code": code})
 
 
-def _assets(scene: Scene, preset: Preset) -> list[Path]:
+def _assets(scene: Scene, mesh: MeshSize) -> list[Path]:
     """The files that a scene is made from: its garment, its body, the body shape that the warm-up begins in, its clip."""
     from garmentbench.motion.human import DRESSED
     from garmentbench.motion.stick import STICK
 
     shapes = () if scene.body == STICK else sorted({scene.body, DRESSED})
-    bodies = (body_file(shape, preset.body_size) for shape in shapes if shape in body_names())
+    bodies = (body_file(shape, mesh.body_size) for shape in shapes if shape in body_names())
     clip = [] if scene.motion.file is None else [Path(scene.motion.file)]
-    return [p for p in (GARMENTS / f"{scene.garment}-{preset.name}.npz", *bodies, *clip) if p.is_file()]
+    return [p for p in (GARMENTS / f"{scene.garment}-{mesh.name}.npz", *bodies, *clip) if p.is_file()]
 
 
-def scene_template(scene: Scene, preset: Preset) -> Template:
+def scene_template(scene: Scene, mesh: MeshSize) -> Template:
     """What does not move in a scene, without simulating it. Raises `UsageError` for an unknown garment or body."""
     from garmentbench.motion.stick import STICK, stick
     from garmentbench.scenes.bodies import load_body
-    from garmentbench.scenes.garments import load_garment
     from garmentbench.scenes.inner_garment import as_body
 
-    inner = inner_scene(scene)
-    if inner is not None:
-        body = as_body(load_garment(inner.garment, preset.name))
+    if scene.worn_over is not None:
+        body = as_body(load_garment(scene.worn_over.garment, mesh.name))
     else:
-        body = stick() if scene.body == STICK else load_body(scene.body, preset.body_size).body
-    return Template(load_garment(scene.garment, preset.name), body, scene.fps)
+        body = stick() if scene.body == STICK else load_body(scene.body, mesh.body_size).body
+    return Template(load_garment(scene.garment, mesh.name), body, scene.fps)
 
 
-def scene_needs(scene: Scene, preset: Preset) -> Needs:
+def scene_needs(scene: Scene, mesh: MeshSize) -> Needs:
     """What a scene needs. Raises as `scene_template`."""
-    return scene_template(scene, preset).needs
+    return scene_template(scene, mesh).needs
 
 
 def _is_made_from(path: Path, identity: str) -> bool:
@@ -113,40 +169,3 @@ def reference_scores(sequence: Sequence) -> dict[str, float]:
     from garmentbench.metrics.self_intersection import CROSSING_FACES_MAX, SELF_INTERSECTION
 
     return scores(Motion.of(sequence), *PENETRATION, SELF_INTERSECTION, CROSSING_FACES_MAX)
-
-
-@dataclass(frozen=True)
-class Source:
-    """A sequence that is there.
-
-    Attributes:
-        name: The scene's name; of a finished file its stem.
-        path: The sequence file.
-        identity: Hash of all that decides it: of scene, assets and code, or of the finished file's contents.
-    """
-
-    name: str
-    path: Path
-    identity: str
-
-
-def is_file(name: str) -> bool:
-    """Does it name a sequence file rather than a scene?"""
-    return name.endswith(".h5")
-
-
-def check_source(name: str) -> None:
-    """Raises `UserError` for an unknown scene, or a file that is no sequence; cheap."""
-    if is_file(name):
-        sequence_file.content_hash(Path(name))
-    else:
-        load_scene(name)
-
-
-def take_source(name: str, preset: Preset) -> Source:
-    """The sequence of that name, simulated first where it is a scene's and not there. Raises as `make_sequence`."""
-    if is_file(name):
-        path = Path(name)
-        return Source(path.stem, path, sequence_file.content_hash(path))
-    scene = load_scene(name)
-    return Source(scene.name, make_sequence(name, preset), sequence_identity(scene, preset))

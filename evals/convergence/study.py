@@ -27,7 +27,8 @@ from garmentbench.evals.experiment import Experiment, Work, about, failed_row, f
 from garmentbench.evaluation.results import Row
 from garmentbench.metrics.difference import DIFFERENCES
 from garmentbench.scenes.presets import Preset
-from garmentbench.scenes.scene import Scene, load_scene
+from garmentbench.scenes.scene import Scene
+from garmentbench.scenes.wardrobe import load_scene
 from garmentbench.storage.atomic import written_whole
 from garmentbench.storage.jobs import Job
 from garmentbench.storage.runs import RunStore, run_id
@@ -111,7 +112,7 @@ def simulate_variant(scene_name: str, preset: Preset, variant: Variant) -> str:
 
 def _identity(scene_name: str, preset: Preset, variant: Variant) -> dict:
     from garmentbench.device import device_name
-    from garmentbench.reference import sequence_identity
+    from garmentbench.reference import reference_identity
     from garmentbench.storage.fingerprint import fingerprint
 
     scene = _scene(scene_name, variant)
@@ -119,7 +120,7 @@ def _identity(scene_name: str, preset: Preset, variant: Variant) -> dict:
         "scene": scene.name,
         "preset": preset.name,
         "variant": variant,
-        "reference": sequence_identity(scene, preset),
+        "reference": reference_identity(scene, preset),
         "code": fingerprint("garmentbench.evals.convergence.rerun"),
         "device": device_name(),
     }
@@ -129,11 +130,10 @@ def _scene(name: str, variant: Variant) -> Scene:
     """The scene's first frames, its settings changed."""
     scene = load_scene(name)
     own = scene.simulation
-    changed = {
-        "substep_factor": variant.substeps * own.get("substep_factor", 1),
-        "start_noise": variant.start_noise + own.get("start_noise", 0.0),
-    }
-    return replace(scene, frames=min(FRAMES, scene.frames), simulation=own | changed)
+    changed = replace(
+        own, substep_factor=variant.substeps * own.substep_factor, start_noise=variant.start_noise + own.start_noise
+    )
+    return replace(scene, frames=min(FRAMES, scene.frames), simulation=changed)
 
 
 class Convergence(Experiment):

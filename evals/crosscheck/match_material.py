@@ -12,8 +12,8 @@ import numpy as np
 
 from garmentbench.evals.crosscheck.model import VbdSettings
 from garmentbench.evals.crosscheck.vbd import drive_vbd
+from garmentbench.scenes.material import Material, Settings
 from garmentbench.sequence import Garment
-from garmentbench.simulation.material import Material, Settings
 
 FPS = 30.0
 CLOSE = 3e-3  # of 1: nearer is not sought

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from garmentbench.scenes.material import Material, Settings
 from garmentbench.simulation.assembly import Fabric
-from garmentbench.simulation.material import Material, Settings
 from garmentbench.simulation.obstacle import Obstacle
 
 if TYPE_CHECKING:

@@ -23,9 +23,10 @@ from garmentbench.geometry.mesh import edge_lengths, unique_edges
 from garmentbench.metrics import Motion, metric, scores
 from garmentbench.metrics.difference import DIFFERENCES
 from garmentbench.metrics.interpenetration_strict import PENETRATION
-from garmentbench.reference import sequence_identity
+from garmentbench.reference import reference_identity
 from garmentbench.scenes.presets import Preset
-from garmentbench.scenes.scene import Scene, load_scene
+from garmentbench.scenes.scene import Scene
+from garmentbench.scenes.wardrobe import load_scene
 from garmentbench.sequence import Sequence
 from garmentbench.storage.atomic import written_whole
 from garmentbench.storage.fingerprint import fingerprint
@@ -81,16 +82,17 @@ def _compare(run: Run, scene_name: str, preset: Preset, variant: Variant) -> Non
     from garmentbench import sequence_file
     from garmentbench.device import quiet_warp
     from garmentbench.evaluation.excerpt import write_material
-    from garmentbench.reference import make_sequence
+    from garmentbench.reference import make_reference
     from garmentbench.simulation.simulate import simulate
 
     quiet_warp()
-    scene = load_scene(scene_name)
-    scene = replace(scene, frames=min(FRAMES, scene.frames))
-    made = sequence_file.load(make_sequence(scene_name, preset), scene.frames)
+    whole = load_scene(scene_name)
+    scene = replace(whole, frames=min(FRAMES, whole.frames))
+    made = sequence_file.load(make_reference(whole, preset).path, scene.frames)
     reference = made
     if variant.compression is not None:
-        reference = simulate(replace(scene, material=scene.material | {"compression": variant.compression}), preset)
+        material = replace(scene.material, compression=variant.compression)
+        reference = simulate(replace(scene, material=material), preset)
     other, matched = _other(run, scene, preset, variant.substeps)
     garment = np.load(other.folder / POSITIONS)
     write_material(run.folder, reference, RollOut(ROLL_OUT, 0, garment, None, np.full((len(garment), 3), np.nan)))
@@ -120,7 +122,7 @@ def _other(run: Run, scene: Scene, preset: Preset, times: int) -> tuple[Run, dic
     if not strips.finished:
         strips.finish(asdict(match(outer.material, outer.settings, plain, edge)))
     fitted = VbdSettings(**strips.results["settings"])
-    ran = run.stage("newton", common | {"vbd": fitted, "scene": sequence_identity(scene, preset)})
+    ran = run.stage("newton", common | {"vbd": fitted, "scene": reference_identity(scene, preset)})
     if not ran.finished:
         positions, ms = _vbd(outfit, scene.name, fitted)
         with written_whole(ran.folder / POSITIONS) as partial, partial.open("wb") as file:
@@ -164,7 +166,7 @@ def _identity(scene_name: str, preset: Preset, variant: Variant) -> dict:
         "preset": preset.name,
         "variant": {"name": variant.name, "substeps": variant.substeps, "compression": variant.compression},
         "frames": FRAMES,
-        "reference": sequence_identity(load_scene(scene_name), preset),
+        "reference": reference_identity(load_scene(scene_name), preset),
     } | _code()
 
 

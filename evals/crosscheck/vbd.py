@@ -15,9 +15,9 @@ import numpy as np
 from garmentbench.errors import UserError
 from garmentbench.evals.crosscheck.hold import fasten, hermite
 from garmentbench.evals.crosscheck.model import VbdSettings, newton_model
+from garmentbench.scenes.material import Material, Settings
 from garmentbench.sequence import Garment
 from garmentbench.simulation.assembly import Fabric, assemble
-from garmentbench.simulation.material import Material, Settings
 from garmentbench.simulation.obstacle import Obstacle
 
 AIR_REACH = 0.06  # [m] as in the reference: from here on the air moves with the body as a whole

@@ -11,7 +11,6 @@ from garmentbench.evals.motions.table import APART, MOTIONS, POINTS, TRAINED, mo
 from garmentbench.evaluation.results import Row
 from garmentbench.scenes.choice import choose_scenes
 from garmentbench.scenes.presets import Preset
-from garmentbench.scenes.scene import Scene, load_scene
 from garmentbench.storage.atomic import written_whole
 from garmentbench.storage.fingerprint import fingerprint
 from garmentbench.storage.jobs import Failure, Job
@@ -34,7 +33,7 @@ def distribute(preset: Preset) -> str:
     """
     with RunStore().open(MOTIONS, _identity(preset)) as run:
         if not run.finished:
-            scenes = _scenes()
+            scenes = choose_scenes(CHOICE)
             with run.track(len(scenes) + 1, MOTIONS) as step:
                 found = {}
                 for scene in scenes:
@@ -50,13 +49,9 @@ def distribute(preset: Preset) -> str:
     return run.id
 
 
-def _scenes() -> list[Scene]:
-    return [load_scene(name) for name in choose_scenes(CHOICE)]
-
-
 def _identity(preset: Preset) -> dict:
     return {
-        "scenes": [(scene.name, scene.motion, scene.frames) for scene in _scenes()],
+        "scenes": [(scene.name, scene.motion, scene.frames) for scene in choose_scenes(CHOICE)],
         "preset": preset.name,
         "code": fingerprint("garmentbench.evals.motions.distribution"),
     }
@@ -80,7 +75,7 @@ class MotionMap(Experiment):
 
 def _rows(preset: Preset, made: str | Failure) -> list[Row]:
     rows = []
-    for scene in _scenes():
+    for scene in choose_scenes(CHOICE):
         columns = about(MOTIONS, preset, scene, "reference")
         if isinstance(made, Failure):
             rows.append(failed_row(columns, made))

@@ -10,6 +10,8 @@ from garmentbench.commands.table import print_table
 from garmentbench.errors import UserError
 
 if TYPE_CHECKING:
+    from garmentbench.reference import Source
+    from garmentbench.scenes.presets import Preset
     from garmentbench.storage.runs import Run
 
 Repeated = Annotated[tuple[str, ...], UseAppendAction]  # an option that may be given several times
@@ -69,6 +71,8 @@ class Train:
         scene: Scene to train on, or a sequence file (.h5). Several of the same garment may be given, each with --scene;
             tshirt-armspace-75 if none is.
         preset: Size: smoke, laptop or paper.
+        mesh: Another size of garment and body than the preset's.
+        model: Another size of the method's network than the preset's.
         frames: Train on the first so many frames of each scene.
         variant: "full", or one of the method's variants (`garmentbench methods`).
         seed: Random seed.
@@ -78,15 +82,19 @@ class Train:
     method: Positional[str]
     scene: Repeated = ()
     preset: str = "laptop"
+    mesh: str | None = None
+    model: str | None = None
     frames: int = 300
     variant: str = "full"
     seed: int = 0
     device: str = "auto"
 
     def run(self) -> None:
-        scenes = self.scene or ("tshirt-armspace-75",)
-        _ready(self.preset, self.device, *scenes)
-        run = _trained(self, scenes)
+        from garmentbench.reference import resolve_source
+
+        size = _ready(self)
+        sources = [resolve_source(name) for name in self.scene or ("tshirt-armspace-75",)]
+        run = _trained(self, size, sources)
         print(f"{run.id}: {run.folder}")
 
 
@@ -106,6 +114,8 @@ class Evaluate:
             may be given, each with --train-scene. If none is: the first training scene of the garment in --scene.
         scene: Scene to evaluate on, or a sequence file (.h5).
         preset: Size: smoke, laptop or paper.
+        mesh: Another size of garment and body than the preset's.
+        model: Another size of the method's network than the preset's.
         frames: Train on the first so many frames of each scene.
         variant: "full", or one of the method's variants (`garmentbench methods`).
         seed: Random seed of the training.
@@ -116,6 +126,8 @@ class Evaluate:
     train_scene: Repeated = ()
     scene: str = "tshirt-armspace-90"
     preset: str = "laptop"
+    mesh: str | None = None
+    model: str | None = None
     frames: int = 300
     variant: str = "full"
     seed: int = 0
@@ -124,17 +136,17 @@ class Evaluate:
     def run(self) -> None:
         from garmentbench.evaluation.rollout import FAILED, OK
         from garmentbench.pipeline import default_training_scene, evaluate, load_method
-        from garmentbench.scenes.presets import preset
+        from garmentbench.reference import resolve_source
         from garmentbench.storage.runs import RunStore
 
-        finished = self.method.startswith("train-")
-        _ready(self.preset, self.device, *self.train_scene, self.scene)
-        if finished:
+        size = _ready(self)
+        source, training = resolve_source(self.scene), [resolve_source(name) for name in self.train_scene]
+        if self.method.startswith("train-"):
             trained = RunStore().get(self.method)
         else:
-            method = load_method(self.method)
-            trained = _trained(self, self.train_scene or (default_training_scene(method, self.scene),))
-        run = evaluate(trained, self.scene, preset(self.preset), RunStore())
+            training = training or [default_training_scene(load_method(self.method), source)]
+            trained = _trained(self, size, training)
+        run = evaluate(trained, source, size, RunStore())
         columns = ("metric", "horizon", "value", "uncertainty", "unit", "reference_value", "status")
         print_table([{k: row.get(k) for k in columns} for row in run.results["rows"]])
         print(f"{run.id}: {run.folder}")
@@ -146,25 +158,21 @@ class Evaluate:
             print(f"garmentbench: {said}", file=sys.stderr)
 
 
-def _ready(preset_name: str, device: str, *scenes: str) -> None:
-    """Complain of a wrong name or a missing device before any work is done."""
+def _ready(options: Train | Evaluate) -> "Preset":
+    """The preset that was chosen. Complains of a wrong one or a missing device before any work is done."""
     from garmentbench.device import choose_device, one_thread, require_device
-    from garmentbench.reference import check_source
     from garmentbench.scenes.presets import preset
 
-    size = preset(preset_name)
-    for scene in scenes:
-        check_source(scene)
+    size = preset(options.preset, options.mesh, options.model)
     one_thread()
-    choose_device(device)
+    choose_device(options.device)
     require_device(size)
+    return size
 
 
-def _trained(options: Train | Evaluate, scenes: tuple[str, ...]) -> "Run":
+def _trained(options: Train | Evaluate, size: "Preset", sources: list["Source"]) -> "Run":
     from garmentbench.pipeline import choose_method, train
-    from garmentbench.scenes.presets import preset
     from garmentbench.storage.runs import RunStore
 
-    size = preset(options.preset)
     choice = choose_method(options.method, options.variant, size)
-    return train(choice, scenes, size, options.frames, options.seed, RunStore())
+    return train(choice, sources, size, options.frames, options.seed, RunStore())

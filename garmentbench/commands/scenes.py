@@ -1,6 +1,6 @@
 """The command about scenes."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from typing import TYPE_CHECKING
 
 from tyro.conf import Positional
@@ -9,6 +9,8 @@ from garmentbench.commands.table import print_table
 from garmentbench.errors import UsageError
 
 if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
     from garmentbench.scenes.scene import Scene
 
 
@@ -28,17 +30,18 @@ class Scenes:
     words: Positional[tuple[str, ...]] = ()
 
     def run(self) -> None:
+        from garmentbench.reference import check_scene
         from garmentbench.scenes.choice import choose_scenes, is_choice
-        from garmentbench.scenes.scene import load_scene
 
         shown = self.words[1:] if self.words[:1] == ("show",) else self.words if len(self.words) == 1 else ()
         if self.words == ("show",):
             raise UsageError("scenes show: which scene? `garmentbench scenes` lists them")
+        scenes = choose_scenes(shown or self.words)
         if shown and not any(map(is_choice, shown)):
-            for name in shown:
-                _show(load_scene(name))
+            for scene in scenes:
+                check_scene(scene)
+                _show(scene)
             return
-        scenes = [load_scene(name) for name in choose_scenes(shown or self.words)]
         print_table([
             {"scene": s.name, "garment": s.garment, "body": s.body, "motion": s.motion.name, "split": s.split,
              "frames": s.frames}
@@ -50,16 +53,23 @@ def _show(scene: "Scene") -> None:
     from dataclasses import asdict
 
     from garmentbench.reference import scene_needs
-    from garmentbench.scenes.presets import preset
-    from garmentbench.scenes.scene import Motion
+    from garmentbench.scenes.presets import MESH_SIZES
 
-    plain = Motion(scene.motion.name)
-    changed = {key: value for key, value in vars(scene.motion).items() if value != getattr(plain, key)}
     for key, value in vars(scene).items():
-        if key == "motion":
-            print("motion: " + ", ".join([scene.motion.name, *(f"{k} {v}" for k, v in changed.items())]))
-        elif value not in ({}, None):
+        if value is None:
+            continue
+        if key == "worn_over":
+            value = value.name
+        elif is_dataclass(value):
+            value = _changed(value)
+        if value:
             print(f"{key}: {value}")
-    needs = asdict(scene_needs(scene, preset("smoke")))  # which size does not matter
+    needs = asdict(scene_needs(scene, MESH_SIZES["smoke"]))  # which size does not matter
     print("needs: " + (", ".join(k for k, v in needs.items() if v) or "nothing besides the garment"))
     print("left out: " + (", ".join(k for k, v in needs.items() if not v) or "nothing"))
+
+
+def _changed(value: "DataclassInstance") -> str:
+    """What is not as it is by default; a name alone for itself."""
+    changed = [f"{f.name} {getattr(value, f.name)}" for f in fields(value) if getattr(value, f.name) != f.default]
+    return ", ".join(changed).removeprefix("name ")

@@ -1,7 +1,6 @@
 """The command that makes data."""
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tyro.conf import Positional
@@ -9,7 +8,9 @@ from tyro.conf import Positional
 from garmentbench.errors import UsageError, UserError
 
 if TYPE_CHECKING:
+    from garmentbench.reference import Reference
     from garmentbench.scenes.presets import Preset
+    from garmentbench.scenes.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,7 @@ class Simulate:
 
     def run(self) -> None:
         from garmentbench.device import choose_device, one_thread, require_device
-        from garmentbench.reference import make_sequence
+        from garmentbench.reference import check_scene, make_reference
         from garmentbench.scenes.choice import choose_scenes
         from garmentbench.scenes.presets import preset
         from garmentbench.storage.machine import core_count
@@ -46,25 +47,26 @@ class Simulate:
             raise UsageError("simulate: which scene? `garmentbench scenes` lists them; --all simulates them all")
         if self.jobs is not None and self.jobs < 1:
             raise UsageError(f"simulate: --jobs is {self.jobs}; wanted at least 1")
-        names = choose_scenes(self.scenes)
+        scenes = choose_scenes(self.scenes)
+        for scene in scenes:
+            check_scene(scene)
         one_thread()
         choose_device(self.device)
         require_device(size)
-        workers = min(len(names), self.jobs or core_count())
-        made = _in_parallel(names, size, workers) if workers > 1 else [make_sequence(name, size) for name in names]
-        for path in made:
-            print(path)
+        workers = min(len(scenes), self.jobs or core_count())
+        made = _in_parallel(scenes, size, workers) if workers > 1 else [make_reference(s, size) for s in scenes]
+        for reference in made:
+            print(reference.path)
 
 
-def _in_parallel(names: list[str], size: "Preset", workers: int) -> list[Path]:
-    """The sequences' paths. Raises `UserError` at the end if one could not be made."""
-    from garmentbench.reference import make_sequence
-    from garmentbench.scenes.scene import load_scene
+def _in_parallel(scenes: list["Scene"], size: "Preset", workers: int) -> list["Reference"]:
+    """The references. Raises `UserError` at the end if one could not be made."""
+    from garmentbench.reference import make_reference
     from garmentbench.storage.jobs import Failure, Job, run_jobs
 
     jobs = [
-        Job((name,), f"simulate {name}", make_sequence, arguments=(name, size), cost=load_scene(name).frames)
-        for name in names
+        Job((scene.name,), f"simulate {scene.name}", make_reference, arguments=(scene, size), cost=scene.frames)
+        for scene in scenes
     ]
     made = run_jobs({job.key: job for job in jobs}, workers)
     results = [made[job.key] for job in jobs]

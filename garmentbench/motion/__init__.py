@@ -7,7 +7,7 @@ from garmentbench.motion.stick import STICK, animate_stick, stick_motions
 from garmentbench.scenes.presets import Preset
 from garmentbench.scenes.scene import Scene
 
-__all__ = ["Animation", "animate", "motion_names"]
+__all__ = ["STICK", "Animation", "animate", "human_motions", "motion_names", "stick_motions"]
 
 
 def motion_names() -> list[str]:
@@ -20,9 +20,9 @@ def animate(scene: Scene, preset: Preset) -> Animation:
 
     Raises `UsageError` for an unknown body, or a motion that this body does not have.
     """
-    frames = scene.frames if preset.frame_limit is None else min(scene.frames, preset.frame_limit)
+    frames = preset.mesh.limited(scene.frames)
     if scene.body == STICK:
         return animate_stick(scene, frames)
     if scene.motion.file is not None:
-        return animate_clip(scene, preset.body_size, frames)
-    return animate_human(scene, preset.body_size, frames)
+        return animate_clip(scene, preset.mesh.body_size, frames)
+    return animate_human(scene, preset.mesh.body_size, frames)

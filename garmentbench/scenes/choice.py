@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from fnmatch import fnmatchcase
 
 from garmentbench.errors import UsageError, unknown_name
-from garmentbench.scenes.scene import Scene, load_scene, scene_names
+from garmentbench.scenes.scene import Scene
+from garmentbench.scenes.wardrobe import load_scene, scene_names
 
 KEYS = ("garment", "body", "motion", "split")
 
@@ -14,11 +15,11 @@ def is_choice(word: str) -> bool:
     return any(c in word for c in "*?[=")
 
 
-def choose_scenes(words: Sequence[str]) -> list[str]:
+def choose_scenes(words: Sequence[str]) -> list[Scene]:
     """The scenes that words stand for: those of any name, path of a TOML file or pattern (all, if there is none), as far
     as every filter key=value fits.
 
-    >>> choose_scenes(["sheet-*", "split=train"])
+    >>> [scene.name for scene in choose_scenes(["sheet-*", "split=train"])]
     ['sheet-stick-a']
 
     Raises `UsageError` for a word that fits no scene.
@@ -30,7 +31,7 @@ def choose_scenes(words: Sequence[str]) -> list[str]:
     named = [name for word in words if "=" not in word for name in _named(word)]
     if not any("=" not in word for word in words):
         named = scene_names()
-    chosen = [name for name in dict.fromkeys(named) if _fits(load_scene(name), filters)]
+    chosen = [scene for scene in map(load_scene, dict.fromkeys(named)) if _fits(scene, filters)]
     if not chosen:
         raise UsageError(f"no scene fits {' '.join(words)}; `garmentbench scenes` lists them all")
     return chosen
@@ -38,7 +39,6 @@ def choose_scenes(words: Sequence[str]) -> list[str]:
 
 def _named(word: str) -> list[str]:
     if not is_choice(word):
-        load_scene(word)  # a typo is told before any work
         return [word]
     found = [name for name in scene_names() if fnmatchcase(name, word)]
     if not found:

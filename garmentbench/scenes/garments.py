@@ -4,7 +4,7 @@ import numpy as np
 
 from garmentbench.errors import unknown_name
 from garmentbench.paths import GARMENTS
-from garmentbench.scenes.presets import preset
+from garmentbench.scenes.presets import MESH_SIZES
 from garmentbench.sequence import Garment
 
 
@@ -14,11 +14,13 @@ def garment_names() -> list[str]:
 
 
 def load_garment(name: str, size: str) -> Garment:
-    """The garment of that name at a preset's size ("smoke", "laptop", "paper").
+    """The garment of that name at a mesh size ("smoke", "laptop", "paper").
 
     Raises `UsageError` with the nearest name where the name or the size is unknown.
     """
-    path = GARMENTS / f"{name}-{preset(size).name}.npz"
+    if size not in MESH_SIZES:
+        raise unknown_name("mesh size", size, list(MESH_SIZES))
+    path = GARMENTS / f"{name}-{size}.npz"
     if not path.is_file():
         raise unknown_name("garment", name, garment_names())
     with np.load(path, allow_pickle=False) as arrays:

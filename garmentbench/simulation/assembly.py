@@ -8,8 +8,8 @@ import scipy.sparse as sp
 from jaxtyping import Bool, Float, Int
 
 from garmentbench.geometry.weld import weld
+from garmentbench.scenes.material import Material, Settings
 from garmentbench.sequence import Garment
-from garmentbench.simulation.material import Material, Settings
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,10 @@ import numpy as np
 import warp as wp
 from jaxtyping import Float
 
+from garmentbench.scenes.material import Material, Settings
 from garmentbench.simulation.assembly import Fabric
 from garmentbench.simulation.collider import Collider
 from garmentbench.simulation.kernels import Cloth, Contact, Physics, advance_serial, force_pass, particle_pass
-from garmentbench.simulation.material import Material, Settings
 from garmentbench.simulation.self_contact import SelfContact
 
 

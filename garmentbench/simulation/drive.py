@@ -8,10 +8,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from jaxtyping import Float
 
+from garmentbench.scenes.material import Material, Settings
 from garmentbench.sequence import Body, Garment
 from garmentbench.simulation.assembly import Fabric, assemble
 from garmentbench.simulation.cloth import Solver
-from garmentbench.simulation.material import Material, Settings
 from garmentbench.simulation.obstacle import Obstacle
 from garmentbench.simulation.stability import substeps
 from garmentbench.simulation.xpbd import XpbdSolver

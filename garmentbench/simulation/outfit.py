@@ -1,4 +1,4 @@
-"""What a scene has on, from the skin outwards, and its simulation: one garment after the other, each driven by what is
+"""A scene's garments from the innermost outwards, and their simulation: one after the other, each driven by what is
 beneath it and not the other way round (section 6.5 of Zhang et al. 2022)."""
 
 from collections.abc import Callable
@@ -10,11 +10,11 @@ from garmentbench.motion import Animation, animate
 from garmentbench.motion.placing import place
 from garmentbench.scenes.garments import load_garment
 from garmentbench.scenes.inner_garment import as_body, sewn
+from garmentbench.scenes.material import Material, Settings
 from garmentbench.scenes.presets import Preset
-from garmentbench.scenes.scene import Scene, inner_scene
+from garmentbench.scenes.scene import Scene
 from garmentbench.sequence import Body, Garment
 from garmentbench.simulation.drive import Simulated, drive
-from garmentbench.simulation.material import Material, Settings, override
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Outfit:
 
     Attributes:
         animation: The body in its motion. Where there are two layers, as the inner one's scene has it.
-        layers: What it has on, from the skin outwards.
+        layers: Its garments from the innermost outwards.
         frames: The scene's length after the warm-up [frames].
         fps: Frames a second.
     """
@@ -45,12 +45,10 @@ class Outfit:
 
     @classmethod
     def of(cls, scene: Scene, preset: Preset) -> "Outfit":
-        """Of a scene. Raises `UsageError` for an unknown garment, body, motion, material or setting."""
-        inner = inner_scene(scene)
-        animation = animate(scene if inner is None else inner, preset)
-        layers = tuple(_layer(s, preset) for s in (inner, scene) if s is not None)
-        frames = scene.frames if preset.frame_limit is None else min(scene.frames, preset.frame_limit)
-        return cls(animation, layers, frames, scene.fps)
+        """Resolve a scene into garments and body motion. Raises `UsageError` for an unknown garment, body or motion."""
+        animation = animate(scene.worn_over or scene, preset)
+        layers = tuple(_layer(s, preset) for s in (scene.worn_over, scene) if s is not None)
+        return cls(animation, layers, preset.mesh.limited(scene.frames), scene.fps)
 
     def simulate(
         self,
@@ -114,7 +112,5 @@ class Worn:
 
 
 def _layer(scene: Scene, preset: Preset) -> Layer:
-    garment = load_garment(scene.garment, preset.name)
-    material = override(Material(), scene.material, "material")
-    settings = override(Settings(), scene.simulation, "simulation setting")
-    return Layer(garment, place(garment.rest, scene.motion), material, settings)
+    garment = load_garment(scene.garment, preset.mesh.name)
+    return Layer(garment, place(garment.rest, scene.motion), scene.material, scene.simulation)

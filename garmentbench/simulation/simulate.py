@@ -8,11 +8,11 @@ import numpy as np
 from garmentbench.errors import UserError
 from garmentbench.metrics.strain import strain_mean, strain_p99_max
 from garmentbench.progress import track
+from garmentbench.scenes.material import Settings
 from garmentbench.scenes.presets import Preset
 from garmentbench.scenes.scene import Scene
 from garmentbench.sequence import Sequence, Template
 from garmentbench.simulation.drive import OK, Simulated
-from garmentbench.simulation.material import Settings
 from garmentbench.simulation.outfit import Layer, Outfit
 
 WINDOW = 40, 150  # frames, least and most, of the uncertainty's two further runs; in between a fifth of the sequence
@@ -23,7 +23,7 @@ def simulate(scene: Scene, preset: Preset, device: str = "cpu") -> Sequence:
     """The reference sequence of a scene, without its uncertainty. Shows its progress.
 
     Args:
-        scene: What is simulated; its `material` and `simulation` override the defaults by name.
+        scene: What is simulated.
         preset: Sizes of garment and body.
         device: Warp device, "cpu" or "cuda:0".
 
@@ -33,7 +33,7 @@ def simulate(scene: Scene, preset: Preset, device: str = "cpu") -> Sequence:
         first that is not finite on are left out. Where a garment is worn beneath, it is the sequence's body.
 
     Raises:
-        UsageError: An unknown garment, body, motion, material or setting.
+        UsageError: An unknown garment, body or motion.
         UserError: A wrong scene beneath, or not one frame is finite.
     """
     outfit = Outfit.of(scene, preset)
@@ -51,12 +51,12 @@ def simulate(scene: Scene, preset: Preset, device: str = "cpu") -> Sequence:
         "scene": scene.name,
         "split": scene.split,
         "motion": asdict(scene.motion),
-        "preset": preset.name,
+        "preset": preset.mesh.name,
         "simulation": told[-1] if len(told) == 1 else _of_both(*told),
     }
     body, positions = outfit.animation.body, outfit.animation.positions
     if len(worn) > 1:
-        info["worn_over"], body, positions = scene.worn_over, worn[-2].body, worn[-2].surface
+        info["worn_over"], body, positions = scene.worn_over.name, worn[-2].body, worn[-2].surface
     garment = worn[-1].run.positions[start:stop].astype(np.float32)
     return Sequence(
         Template(worn[-1].garment, body, scene.fps), garment, positions[start:stop].astype(np.float32), info

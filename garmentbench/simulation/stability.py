@@ -6,8 +6,8 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import eigsh
 
+from garmentbench.scenes.material import Material, Settings
 from garmentbench.simulation.assembly import Fabric
-from garmentbench.simulation.material import Material, Settings
 
 
 def squared_frequencies(fabric: Fabric) -> tuple[float, float]:

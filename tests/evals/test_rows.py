@@ -10,7 +10,7 @@ from garmentbench.evals.experiment import about, failed_row
 from garmentbench.evals.run import merged, with_skill, write_results
 from garmentbench.evaluation.results import COLUMNS, Row
 from garmentbench.scenes.presets import PRESETS
-from garmentbench.scenes.scene import load_scene
+from garmentbench.scenes.wardrobe import load_scene
 from garmentbench.storage.jobs import Failure
 
 SCENE = load_scene("tshirt-armspace-90")

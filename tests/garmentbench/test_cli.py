@@ -15,9 +15,9 @@ from garmentbench import __version__, paths, sequence_file
 from garmentbench.cli import main
 from garmentbench.commands import COMMANDS
 from garmentbench.evaluation.toy import tiny_sequence
-from garmentbench.reference import IDENTITY, sequence_identity
+from garmentbench.reference import IDENTITY, reference_identity
 from garmentbench.scenes.presets import preset
-from garmentbench.scenes.scene import load_scene
+from garmentbench.scenes.wardrobe import load_scene
 from garmentbench.storage.runs import RunStore
 
 SCENE = 'garment = "tshirt"\nbody = "base"\nmotion = "armspace-75"\nsplit = "train"\nframes = 20\n'
@@ -29,7 +29,7 @@ def tiny(home, monkeypatch):
     (home / "tiny.toml").write_text(SCENE)
     scene = load_scene(str(home / "tiny.toml"))
     sequence = tiny_sequence(20)
-    info = {**sequence.info, IDENTITY: sequence_identity(scene, preset("smoke"))}
+    info = {**sequence.info, IDENTITY: reference_identity(scene, preset("smoke"))}
     sequence_file.save(replace(sequence, info=info), paths.sequence_path("smoke", "tiny"))
     monkeypatch.syspath_prepend(Path(__file__).parent)
     return str(home / "tiny.toml")

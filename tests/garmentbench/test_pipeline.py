@@ -11,7 +11,9 @@ from garmentbench.errors import UsageError
 from garmentbench.evaluation.toy import tiny_sequence
 from garmentbench.methods import load_method
 from garmentbench.pipeline import choose_method, default_training_scene
+from garmentbench.reference import resolve_source
 from garmentbench.scenes.presets import preset
+from garmentbench.scenes.wardrobe import load_scene
 from garmentbench.storage.runs import RunStore
 
 SMALL = ("--preset", "smoke", "--frames", "20")
@@ -79,15 +81,15 @@ def test_a_method_trained_on_another_garment_is_refused_before_it_is_rolled_out(
     ],
 )
 def test_the_training_scene_follows_from_the_garment_of_the_test_scene(scene, trained_on):
-    assert default_training_scene(load_method("linear_subspace"), scene) == trained_on
+    assert default_training_scene(load_method("linear_subspace"), load_scene(scene)) == load_scene(trained_on)
 
 
 def test_a_garment_without_a_training_scene_needs_one_to_be_named(files):
     with pytest.raises(
-        UsageError, match="no training scene has the garment 'tube' of one.h5; give one with --train-scene"
+        UsageError, match="no training scene has the garment 'tube' of one; give one with --train-scene"
     ):
-        default_training_scene(load_method("linear_subspace"), "one.h5")
-    assert default_training_scene(load_method("skinning"), "one.h5") == "one.h5"
+        default_training_scene(load_method("linear_subspace"), resolve_source("one.h5"))
+    assert default_training_scene(load_method("skinning"), resolve_source("one.h5")).name == "one"
 
 
 def test_the_class_is_called_by_its_name_in_runs_and_tables(files, capsys):

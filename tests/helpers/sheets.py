@@ -5,9 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from garmentbench.evals.crosscheck.match_material import equilateral, sheet
+from garmentbench.scenes.material import Material, Settings
 from garmentbench.sequence import OBJECT, Body, Garment
 from garmentbench.simulation.drive import Simulated, drive
-from garmentbench.simulation.material import Material, Settings
 
 __all__ = ["FPS", "HARD", "equilateral", "floor", "grid", "run", "tilt"]
 

@@ -6,7 +6,7 @@ import pytest
 
 from garmentbench.reference import reference_scores
 from garmentbench.scenes.presets import preset
-from garmentbench.scenes.scene import load_scene
+from garmentbench.scenes.wardrobe import load_scene
 from garmentbench.simulation.simulate import simulate
 
 GARMENTS = ("tshirt", "bodysuit", "pleated_skirt", "dress", "over_skirt")

@@ -7,8 +7,8 @@ import pytest
 from sheets import FPS, HARD, floor, grid, run
 
 from garmentbench.geometry.crossing import crossing_faces
+from garmentbench.scenes.material import Material, Settings
 from garmentbench.sequence import Garment
-from garmentbench.simulation.material import Material, Settings
 
 CLOTH, THICKNESS = Material(), Material().thickness
 TOUCHING = Settings(self_contact=True)

@@ -7,9 +7,9 @@ import pytest
 import trimesh
 from sheets import FPS, grid, run
 
+from garmentbench.scenes.material import Material, Settings
 from garmentbench.sequence import OBJECT, Body
 from garmentbench.simulation.assembly import assemble
-from garmentbench.simulation.material import Material, Settings
 from garmentbench.simulation.stability import squared_frequencies, substeps
 
 CLOTH = Material()

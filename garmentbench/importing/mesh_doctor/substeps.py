@@ -8,9 +8,9 @@ from garmentbench.errors import Problem
 from garmentbench.importing.mesh_doctor.finding import Finding, counted, listed
 from garmentbench.importing.mesh_doctor.mesh import Mesh
 from garmentbench.importing.mesh_doctor.shape import POINT, SHORT, without_area
+from garmentbench.scenes.material import Material, Settings
 from garmentbench.sequence import Garment
 from garmentbench.simulation.assembly import assemble
-from garmentbench.simulation.material import Material, Settings
 from garmentbench.simulation.stability import substeps
 
 FPS = 30.0

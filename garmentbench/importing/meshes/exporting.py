@@ -14,9 +14,9 @@ from garmentbench.importing.meshes.mesh_sequence import MeshSequence
 from garmentbench.importing.meshes.point_caches import write_mdd, write_pc2
 from garmentbench.paths import sequence_path
 from garmentbench.progress import track
-from garmentbench.reference import is_file, take_source
+from garmentbench.reference import make_reference, resolve_source
 from garmentbench.scenes.presets import Preset
-from garmentbench.scenes.scene import scene_names
+from garmentbench.scenes.wardrobe import scene_names
 from garmentbench.sequence import Sequence
 
 ROUNDING = {
@@ -42,8 +42,8 @@ def select(
     Raises:
         UserError: There is no such thing, or it is damaged.
     """
-    if is_file(source) or source.endswith(".toml") or source in scene_names():
-        sequence, notes = sequence_file.load(take_source(source, preset).path), []
+    if source.endswith((".h5", ".toml")) or source in scene_names():
+        sequence, notes = sequence_file.load(make_reference(resolve_source(source), preset).path), []
     else:
         sequence, notes = _rolled_out(source, recorded)
     if frames is not None and not 1 <= frames <= len(sequence):

@@ -8,8 +8,9 @@ import pytest
 from garmentbench.evals.convergence import study as convergence
 from garmentbench.evals.convergence.study import VARIANTS, distances, simulate_variant
 from garmentbench.evals.convergence.table import CHOSEN, FINEST, observed_order
+from garmentbench.scenes.material import Settings
 from garmentbench.scenes.presets import PRESETS
-from garmentbench.scenes.scene import load_scene
+from garmentbench.scenes.wardrobe import load_scene
 from garmentbench.storage.jobs import Failure
 
 SMOKE = PRESETS["smoke"]
@@ -43,11 +44,11 @@ def test_a_run_that_ended_early_has_no_difference():
 def test_a_scene_s_own_settings_are_multiplied_not_replaced(monkeypatch):
     from dataclasses import replace
 
-    scene = replace(load_scene(SHEET), simulation={"substep_factor": 2, "start_noise": 0.01, "queries": 16})
+    scene = replace(load_scene(SHEET), simulation=Settings(substep_factor=2, start_noise=0.01, queries=16))
     monkeypatch.setattr(convergence, "load_scene", lambda name: scene)
     finer = convergence._scene(SHEET, VARIANTS["substeps_x4"])
-    assert finer.simulation == {"substep_factor": 8, "start_noise": 0.01, "queries": 16}
-    assert convergence._scene(SHEET, VARIANTS["start_1mm"]).simulation["start_noise"] == pytest.approx(0.011)
+    assert finer.simulation == Settings(substep_factor=8, start_noise=0.01, queries=16)
+    assert convergence._scene(SHEET, VARIANTS["start_1mm"]).simulation.start_noise == pytest.approx(0.011)
     assert finer.frames == convergence.FRAMES
 
 

@@ -4,9 +4,9 @@ import numpy as np
 
 from garmentbench.evals.crosscheck.hold import fasten, hermite
 from garmentbench.evaluation.toy import tiny_sequence
+from garmentbench.scenes.material import Material, Settings
 from garmentbench.simulation.assembly import assemble
 from garmentbench.simulation.cloth import Solver
-from garmentbench.simulation.material import Material, Settings
 from garmentbench.simulation.obstacle import Obstacle
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from garmentbench.evals.crosscheck.match_material import CLOSE, cantilever, fitted, hanging, reference_fall
 from garmentbench.evals.crosscheck.model import VbdSettings
-from garmentbench.simulation.material import Material, Settings
+from garmentbench.scenes.material import Material, Settings
 
 GRAVITY = 9.81
 SLOW = replace(Material(), air=40.0, compression=1.0)

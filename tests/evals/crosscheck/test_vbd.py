@@ -10,9 +10,9 @@ from garmentbench.evals.crosscheck import vbd
 from garmentbench.evals.crosscheck.match_material import equilateral
 from garmentbench.evals.crosscheck.model import VbdSettings, hinge_stiffness
 from garmentbench.evals.crosscheck.vbd import drive_vbd
+from garmentbench.scenes.material import Material, Settings
 from garmentbench.sequence import OBJECT, Body
 from garmentbench.simulation.assembly import assemble
-from garmentbench.simulation.material import Material, Settings
 from garmentbench.simulation.obstacle import Obstacle
 
 FPS, GRAVITY = 30.0, 9.81

@@ -12,7 +12,7 @@ from garmentbench.evals.motions.table import APART, POINTS
 from garmentbench.evals.report import make_report
 from garmentbench.evals.run import write_results
 from garmentbench.scenes.presets import PRESETS
-from garmentbench.scenes.scene import load_scene
+from garmentbench.scenes.wardrobe import load_scene
 from garmentbench.storage.jobs import Failure
 
 SMOKE = PRESETS["smoke"]
@@ -60,7 +60,7 @@ def study(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         root = tmp_path_factory.mktemp("motions")
         patch.chdir(root)
-        patch.setattr(motions, "choose_scenes", lambda words: list(KEPT))
+        patch.setattr(motions, "choose_scenes", lambda words: [load_scene(name) for name in KEPT])
         made = motions.distribute(SMOKE)
         rows = motions.STUDY.work(SMOKE, 1).rows({motions.KEY: made})
         write_results(root / "reports" / "smoke" / "results.csv", rows)

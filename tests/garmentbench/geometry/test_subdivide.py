@@ -8,9 +8,9 @@ from garmentbench.geometry.mesh import unique_edges
 from garmentbench.geometry.subdivide import subdivided
 from garmentbench.geometry.weld import weld
 from garmentbench.scenes.garments import load_garment
+from garmentbench.scenes.material import Material, Settings
 from garmentbench.sequence import Garment
 from garmentbench.simulation.assembly import assemble
-from garmentbench.simulation.material import Material, Settings
 
 SQUARE = Garment(
     "square",

@@ -87,13 +87,13 @@ def test_no_drift_over_a_long_walk():
 
 def test_preset_limits_frames_and_chooses_the_mesh():
     assert len(animate(scene(frames=300), PRESETS["smoke"]).positions) == WARM_UP + 40
-    full = replace(LAPTOP, body_size="full")
+    full = replace(LAPTOP, mesh=replace(LAPTOP.mesh, body_size="full"))
     assert animate(scene(frames=4), full).positions.shape == (WARM_UP + 4, 13348, 3)
 
 
 def test_both_sizes_walk_alike():
     small = animate(scene(frames=4), LAPTOP).positions[WARM_UP]
-    full = animate(scene(frames=4), replace(LAPTOP, body_size="full")).positions[WARM_UP]
+    full = animate(scene(frames=4), replace(LAPTOP, mesh=replace(LAPTOP.mesh, body_size="full"))).positions[WARM_UP]
     np.testing.assert_allclose(small.min(axis=0), full.min(axis=0), atol=0.006)
     np.testing.assert_allclose(small.max(axis=0), full.max(axis=0), atol=0.006)
 

@@ -12,10 +12,11 @@ from garmentbench.importing.motions.load import import_clip
 from garmentbench.motion import animate
 from garmentbench.motion.clip import save_clip
 from garmentbench.motion.clip_animation import WARM_UP, load_clip
-from garmentbench.reference import sequence_identity
+from garmentbench.reference import reference_identity
 from garmentbench.scenes.bodies import load_body
 from garmentbench.scenes.presets import PRESETS
-from garmentbench.scenes.scene import Motion, Scene, load_scene
+from garmentbench.scenes.scene import Motion, Scene
+from garmentbench.scenes.wardrobe import load_scene
 
 LAPTOP = PRESETS["laptop"]
 BASE = load_body("base", "small")
@@ -104,12 +105,12 @@ def test_a_scene_s_file_is_relative_to_it_and_counts_by_its_content(folder, tmp_
         (place / "walk.npz").write_bytes((folder / "walk.npz").read_bytes())
         places.append(load_scene(str(place / "a.toml")))
     assert places[0].motion.file == str(folder / "walk.npz")
-    identities = [sequence_identity(scene, LAPTOP) for scene in places]
+    identities = [reference_identity(scene, LAPTOP) for scene in places]
     assert identities[0] == identities[1]
     faster = replace(places[1], motion=replace(places[1].motion, speed=2.0))
-    assert sequence_identity(faster, LAPTOP) != identities[1]
+    assert reference_identity(faster, LAPTOP) != identities[1]
     (tmp_path / "walk.npz").write_bytes((folder / "walk.bvh").read_bytes())
-    assert sequence_identity(places[1], LAPTOP) != identities[1]
+    assert reference_identity(places[1], LAPTOP) != identities[1]
 
 
 @pytest.mark.parametrize(
@@ -117,8 +118,8 @@ def test_a_scene_s_file_is_relative_to_it_and_counts_by_its_content(folder, tmp_
     [
         ('file = "walk.bvh"', "", 'motion "clip" and its file go together'),
         ('name = "clip"', 'name = "armspace-75"', 'motion "clip" and its file go together'),
-        ('file = "walk.bvh"', "file = 3", "file is 3; wanted the path of a clip"),
-        ('file = "walk.bvh"', 'file = "walk.bvh"\nstart = "one"', "start is 'one'; wanted a number [s]"),
+        ('file = "walk.bvh"', "file = 3", "file is 3; wanted a text in quotes"),
+        ('file = "walk.bvh"', 'file = "walk.bvh"\nstart = "one"', "start is 'one'; wanted a number"),
         ('file = "walk.bvh"', 'file = "walk.bvh"\nstrat = 1.0', "did you mean 'start'"),
     ],
 )

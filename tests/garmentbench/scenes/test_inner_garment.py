@@ -7,10 +7,10 @@ import pytest
 
 from garmentbench.errors import UserError
 from garmentbench.evaluation.toy import tiny_sequence
-from garmentbench.reference import scene_template, sequence_identity
+from garmentbench.reference import reference_identity, scene_template
 from garmentbench.scenes.inner_garment import as_body, sewn
 from garmentbench.scenes.presets import preset
-from garmentbench.scenes.scene import inner_scene, load_scene
+from garmentbench.scenes.wardrobe import load_scene
 
 SMOKE = preset("smoke")
 INNER = 'garment = "tshirt"\nbody = "base"\nmotion = "catwalk"\nsplit = "test"\nframes = 20\n'
@@ -31,7 +31,7 @@ def scenes(tmp_path):
 
 def test_the_garment_beneath_takes_the_place_of_the_body(scenes):
     scene = scenes()
-    assert inner_scene(scene).name == "inner" and inner_scene(inner_scene(scene)) is None
+    assert scene.worn_over.name == "inner" and scene.worn_over.worn_over is None
     template = scene_template(scene, SMOKE)
     assert (template.body.kind, template.body.name, template.body.labels) == ("garment", "tshirt", None)
     needs = template.needs
@@ -62,19 +62,19 @@ def test_worn_over_something_that_is_no_scene(scenes):
 
 
 def test_identity_depends_on_the_scene_beneath_and_on_the_bodies_that_are_used(scenes, tmp_path, monkeypatch):
-    before = sequence_identity(scenes(), SMOKE)
-    assert sequence_identity(scenes(inner=INNER + "[material]\nfriction = 0.5\n"), SMOKE) != before
-    assert sequence_identity(scenes(), SMOKE) == before
+    before = reference_identity(scenes(), SMOKE)
+    assert reference_identity(scenes(inner=INNER + "[material]\nfriction = 0.5\n"), SMOKE) != before
+    assert reference_identity(scenes(), SMOKE) == before
     monkeypatch.setattr("garmentbench.paths.BODIES", tmp_path)
     for name in ("base", "slim"):
         (tmp_path / f"{name}-small.npz").write_bytes(b"1")
-    first = sequence_identity(scenes(), SMOKE)
+    first = reference_identity(scenes(), SMOKE)
     (tmp_path / "slim-small.npz").write_bytes(b"2")
-    assert sequence_identity(scenes(), SMOKE) == first
+    assert reference_identity(scenes(), SMOKE) == first
     slim = scenes(OUTER.replace("base", "slim"), INNER.replace("base", "slim"))
-    assert sequence_identity(slim, SMOKE) != sequence_identity(replace(slim, body="base"), SMOKE)
+    assert reference_identity(slim, SMOKE) != reference_identity(replace(slim, body="base"), SMOKE)
     (tmp_path / "base-small.npz").write_bytes(b"2")  # every warm-up begins in it
-    assert sequence_identity(scenes(), SMOKE) != first
+    assert reference_identity(scenes(), SMOKE) != first
 
 
 def test_seams_of_the_garment_beneath_are_sewn():

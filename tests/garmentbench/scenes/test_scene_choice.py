@@ -1,14 +1,18 @@
 """Scenes: every file in datasets/scenes, the grid they make up, and choosing among them as it is typed."""
 
+from pathlib import Path
+
 import pytest
 
 from garmentbench.cli import main
 from garmentbench.errors import UsageError
 from garmentbench.motion import motion_names
+from garmentbench.reference import Reference
 from garmentbench.scenes.bodies import body_names
 from garmentbench.scenes.choice import choose_scenes
 from garmentbench.scenes.garments import garment_names
-from garmentbench.scenes.scene import Scene, load_scene, scene_names
+from garmentbench.scenes.scene import Scene
+from garmentbench.scenes.wardrobe import load_scene, scene_names
 
 GARMENTS = ("tshirt", "bodysuit", "pleated_skirt", "dress", "over_skirt")
 UNSEEN = ("armspace-60", "armspace-90", "catwalk", "strut", "fast", "dance-spin", "dance-bounce")
@@ -55,11 +59,11 @@ def test_no_motion_of_the_base_body_is_in_both_splits():
     ],
 )  # fmt: skip
 def test_words_choose_scenes(words, names):
-    assert choose_scenes(words) == names
+    assert [scene.name for scene in choose_scenes(words)] == names
 
 
 def test_no_words_choose_all():
-    assert choose_scenes([]) == scene_names()
+    assert choose_scenes([]) == [load_scene(name) for name in scene_names()]
 
 
 @pytest.mark.parametrize(
@@ -112,7 +116,7 @@ def test_bodies_lists_height_and_volume(capsys):
 
 def test_many_scenes_are_simulated_at_once_and_kept(tmp_path, monkeypatch, capsys):
     """Each in a process of its own, which writes where this one would; those that fail are told."""
-    monkeypatch.setattr("garmentbench.reference.make_sequence", _pretend)
+    monkeypatch.setattr("garmentbench.reference.make_reference", _pretend)
     monkeypatch.chdir(tmp_path)
     code, out, _ = typed(capsys, "simulate", "sheet-*", "--preset", "smoke", "--jobs", "2")
     assert code == 0 and out.splitlines() == ["smoke/sheet-stick-a", "smoke/sheet-stick-b"]
@@ -122,15 +126,15 @@ def test_many_scenes_are_simulated_at_once_and_kept(tmp_path, monkeypatch, capsy
     )
 
 
-def _pretend(name: str, preset) -> str:
-    if load_scene(name).garment == "tshirt":
+def _pretend(scene: Scene, preset) -> Reference:
+    if scene.garment == "tshirt":
         raise ValueError("no T-shirts")
-    return f"{preset.name}/{name}"
+    return Reference(scene.name, Path(preset.name, scene.name), "")
 
 
 def test_a_scene_is_a_file_of_five_lines(tmp_path):
     (tmp_path / "mine.toml").write_text(
         'garment = "tshirt"\nbody = "tall"\nmotion = "jump"\nsplit = "test"\nframes = 30\n'
     )
-    scene = load_scene(choose_scenes([str(tmp_path / "mine.toml")])[0])
+    (scene,) = choose_scenes([str(tmp_path / "mine.toml")])
     assert isinstance(scene, Scene) and (scene.name, scene.body, scene.motion.name) == ("mine", "tall", "jump")

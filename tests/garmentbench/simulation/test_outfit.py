@@ -9,7 +9,7 @@ from garmentbench import sequence_file
 from garmentbench.geometry.signed_distance import signed_distances
 from garmentbench.scenes.inner_garment import sewn
 from garmentbench.scenes.presets import preset
-from garmentbench.scenes.scene import inner_scene, load_scene
+from garmentbench.scenes.wardrobe import load_scene
 from garmentbench.simulation.outfit import Outfit
 from garmentbench.simulation.simulate import measure_uncertainty, simulate
 
@@ -28,7 +28,7 @@ def made(tmp_path_factory):
     scene = load_scene(str(folder / "outer.toml"))
     sequence = simulate(scene, SMOKE)
     uncertainty = measure_uncertainty(scene, SMOKE, sequence, frames=4)
-    return scene, sequence, simulate(inner_scene(scene), SMOKE), uncertainty
+    return scene, sequence, simulate(scene.worn_over, SMOKE), uncertainty
 
 
 def test_the_layer_beneath_moves_as_in_its_own_scene(made):
@@ -40,7 +40,7 @@ def test_the_layer_beneath_moves_as_in_its_own_scene(made):
 def test_the_garment_beneath_is_the_body_of_the_sequence(made, tmp_path):
     _, sequence, inner, _ = made
     assert (sequence.template.garment.name, sequence.template.body.name) == ("over_skirt", "dress")
-    assert sequence.template.body.kind == "garment" and sequence.info["worn_over"].endswith("inner.toml")
+    assert sequence.template.body.kind == "garment" and sequence.info["worn_over"] == "inner"
     beneath = sequence.info["simulation"]["beneath"]
     assert beneath["material"]["friction"] == 0.2 and sequence.info["simulation"]["material"]["friction"] == 0.4
     assert beneath["substeps"] == inner.info["simulation"]["substeps"]

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from garmentbench.errors import UsageError, UserError
+from garmentbench.errors import UserError
 from garmentbench.progress import listening
+from garmentbench.scenes.material import Settings
 from garmentbench.scenes.presets import preset
 from garmentbench.scenes.scene import Motion, Scene
-from garmentbench.simulation.material import Material, Settings, override
 from garmentbench.simulation.simulate import measure_uncertainty, simulate
 
 SMOKE = preset("smoke")
@@ -61,25 +61,10 @@ def test_moved_and_turned_scene_moves_alike(sequence):
 
 
 def test_pushed_start_ends_elsewhere(sequence):
-    pushed = simulate(replace(SCENE, simulation={"start_noise": 0.01}), SMOKE)
+    pushed = simulate(replace(SCENE, simulation=Settings(start_noise=0.01)), SMOKE)
     assert 1e-6 < np.linalg.norm(pushed.garment - sequence.garment, axis=-1).mean() < 0.05
 
 
 def test_step_beyond_its_bound_is_refused_once_nothing_finite_is_left():
     with pytest.raises(UserError, match="lower step_margin .it is 4"):
-        simulate(replace(SCENE, simulation={"step_margin": 4.0}), SMOKE)
-
-
-def test_material_is_overridden_by_name():
-    assert override(Material(), {"stretch": 3000}, "material").stretch == 3000.0
-    with pytest.raises(UsageError, match="did you mean 'stretch'"):
-        override(Material(), {"strech": 3000.0}, "material")
-
-
-@pytest.mark.parametrize(
-    "name, value",
-    [("queries", 2.5), ("gravity", "much"), ("gravity", True), ("start_noise", -1.0), ("self_contact", 1)],
-)
-def test_bad_values_are_refused(name, value):
-    with pytest.raises(UsageError, match=f"'{name}' is {value!r}"):
-        override(Settings(), {name: value}, "simulation setting")
+        simulate(replace(SCENE, simulation=Settings(step_margin=4.0)), SMOKE)

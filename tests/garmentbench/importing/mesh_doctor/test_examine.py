@@ -14,8 +14,8 @@ from garmentbench.importing.mesh_doctor.mesh import Mesh
 from garmentbench.importing.mesh_doctor.substeps import cost
 from garmentbench.paths import GARMENTS
 from garmentbench.scenes.garments import load_garment
+from garmentbench.scenes.material import Material, Settings
 from garmentbench.simulation.assembly import assemble
-from garmentbench.simulation.material import Material, Settings
 from garmentbench.simulation.stability import substeps
 
 CLEAN = tube()

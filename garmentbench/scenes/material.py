@@ -1,11 +1,13 @@
-"""What the cloth is made of and how it is integrated. Scenes override both by name."""
+"""What the cloth is made of and how it is integrated. The wardrobe and scenes override both by name."""
 
-from dataclasses import dataclass, fields, replace
-from typing import TypeVar
+from dataclasses import dataclass
+from typing import Annotated
 
-from garmentbench.errors import UsageError, unknown_name
+from msgspec import Meta
 
-T = TypeVar("T", "Material", "Settings")
+Number = Annotated[float, Meta(ge=0)]
+Positive = Annotated[float, Meta(gt=0)]
+Count = Annotated[int, Meta(ge=0)]
 
 
 @dataclass(frozen=True)
@@ -27,15 +29,15 @@ class Material:
             (edges of 2.5 cm) the faces between them cut the skin at 3 mm, and no longer at 5 mm.
     """
 
-    density: float = 0.2
-    stretch: float = 300.0
-    compression: float = 0.3
-    bending: float = 3e-5
-    stretch_damping: float = 1e-4
-    bend_damping: float = 5e-3
-    air: float = 5.0
-    friction: float = 0.4
-    thickness: float = 5e-3
+    density: Positive = 0.2
+    stretch: Number = 300.0
+    compression: Number = 0.3
+    bending: Number = 3e-5
+    stretch_damping: Number = 1e-4
+    bend_damping: Number = 5e-3
+    air: Number = 5.0
+    friction: Number = 0.4
+    thickness: Number = 5e-3
 
 
 @dataclass(frozen=True)
@@ -63,36 +65,16 @@ class Settings:
         gravity: Downwards acceleration [m/s^2].
     """
 
-    stretch_cap: float = 1.7
-    bend_cap: float = 4.0
-    mass_floor: float = 0.3
-    contact_frequency: float = 1500.0
-    contact_damping: float = 0.5
-    contact_depth: float = 1e-3
+    stretch_cap: Number = 1.7
+    bend_cap: Number = 4.0
+    mass_floor: Number = 0.3
+    contact_frequency: Number = 1500.0
+    contact_damping: Number = 0.5
+    contact_depth: Number = 1e-3
     self_contact: bool = False
-    queries: int = 8
-    step_margin: float = 0.9
-    substep_factor: int = 1
-    start_noise: float = 0.0
-    noise_seed: int = 0
-    gravity: float = 9.81
-
-
-def override(base: T, changes: dict[str, float | bool], kind: str) -> T:
-    """`base` with some values changed by name. Raises `UsageError` on an unknown name or a value of another type."""
-    kinds = {f.name: type(getattr(base, f.name)) for f in fields(base)}
-    for name, value in changes.items():
-        if name not in kinds:
-            raise unknown_name(kind, name, list(kinds))
-        if not _fits(value, kinds[name]):
-            raise UsageError(f"{kind} '{name}' is {value!r}; wanted {_WANTED[kinds[name]]}")
-    return replace(base, **{name: kinds[name](value) for name, value in changes.items()})
-
-
-_WANTED = {bool: "true or false", int: "a whole number of at least 0", float: "a number of at least 0"}
-
-
-def _fits(value: object, kind: type) -> bool:
-    if kind is bool or isinstance(value, bool):
-        return kind is bool and isinstance(value, bool)
-    return isinstance(value, int | float) and value >= 0 and (kind is float or value == int(value))
+    queries: Annotated[int, Meta(ge=1)] = 8
+    step_margin: Positive = 0.9
+    substep_factor: Annotated[int, Meta(ge=1)] = 1
+    start_noise: Number = 0.0
+    noise_seed: Count = 0
+    gravity: Number = 9.81
