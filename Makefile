@@ -1,16 +1,23 @@
-# `make evals` and `make test` set everything up by themselves on a machine with Python 3.11 or newer.
+# `make evals`, `make test` and `make lint` set everything up by themselves on a machine with Python 3.11 or newer.
 PRESET ?= laptop
 SEEDS ?= 1
 PYTHON ?= $(firstword $(foreach p,python3 python3.14 python3.13 python3.12 python3.11,$(shell $(p) -c 'import sys; sys.version_info >= (3, 11) and print("$(p)")' 2>/dev/null)))
 BIN := .venv/bin
 RUN := $(BIN)/garmentbench
 
-.PHONY: evals test report data convergence crosscheck clean
+.PHONY: evals test lint report data convergence crosscheck clean
 evals: $(BIN)/.installed
 	$(RUN) evals --preset $(PRESET) --seeds $(SEEDS)
 
 test: $(BIN)/.installed-test
 	$(BIN)/python -m pytest
+
+# Format, lint, types, and that no lower floor imports a higher one: what .ci/run asks before the tests.
+lint: $(BIN)/.installed-dev
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/basedpyright
+	$(BIN)/lint-imports
 
 report: $(BIN)/.installed
 	$(RUN) report --preset $(PRESET)
@@ -40,6 +47,10 @@ $(BIN)/.installed: pyproject.toml constraints.txt
 $(BIN)/.installed-test: $(BIN)/.installed
 	$(BIN)/pip install -q -c constraints.txt -e '.[test]'
 	touch $@
+
+$(BIN)/.installed-dev: $(BIN)/.installed
+	$(BIN)/pip install -q -c constraints.txt -e '.[dev]'
+	touch $@ $(BIN)/.installed-test
 
 clean:
 	rm -rf runs sequences

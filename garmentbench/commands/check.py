@@ -94,16 +94,17 @@ class Check:
         from garmentbench import sequence_file
         from garmentbench.importing.mesh_doctor.examine import examine_template
         from garmentbench.importing.mesh_doctor.files import mesh_of
-        from garmentbench.sequence_file import examine as check
+        from garmentbench.sequence_file.examine import check_sequence
+        from garmentbench.viewing.first_frame import draw_first_frame
 
-        problems = check.check_sequence(self.file)
+        problems = check_sequence(self.file)
         if not errors(problems):
             first = sequence_file.load(self.file, frames=1)
             print(f"{self.file}: {_uncertainty(first.uncertainty_cm)}")
             found = examine_template(mesh_of(first.template.garment))
             problems += [replace(f.problem, where=f"garment {f.problem.where}", warning=True) for f in found]
             if self.picture is not None:
-                check.picture(self.file, self.picture)
+                draw_first_frame(self.file, self.picture)
         _verdict(self.file, problems)
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from garmentbench.errors import UserError
 from garmentbench.evaluation.toy import tiny_sequence
-from garmentbench.sequence_file.examine import check_sequence, picture
+from garmentbench.sequence_file.examine import check_sequence
 from garmentbench.sequence_file.read_write import load, save
 
 
@@ -179,12 +179,3 @@ def test_what_is_no_file_is_told_too(tmp_path):
     (tmp_path / "a.h5").write_bytes(b"hello")
     (problem,) = check_sequence(tmp_path / "a.h5")
     assert problem.where == str(tmp_path / "a.h5") and "not an HDF5 file" in problem.what and problem.do
-
-
-def test_the_picture_shows_something(good, tmp_path):
-    import matplotlib.image
-
-    picture(good, tmp_path / "a.png")
-    image = matplotlib.image.imread(tmp_path / "a.png")[..., :3]
-    coloured = (image.max(axis=2) - image.min(axis=2)) > 0.1
-    assert image.shape == (600, 900, 3) and 0.02 < coloured.mean() < 0.9
