@@ -1,4 +1,7 @@
-"""The experiments, in the report's order: one file or folder each, with what it computes, its table and its pictures."""
+"""The experiments, in the report's order.
+
+One file or folder each, with what it computes, its table and its pictures.
+"""
 
 from garmentbench.evals.ablations import ABLATIONS, TRAINING_LENGTHS
 from garmentbench.evals.baselines import BASELINES

@@ -88,7 +88,10 @@ def named(measured: Row | dict[str, Any], columns: Row, run: str = "") -> Row:
 
 
 def failed_row(columns: Row, failure: Failure, metric: str = "rollout_l2") -> Row:
-    """The row of a line that could not be computed at all: it stays in the tables, with its status and what was said."""
+    """The row of a line that could not be computed at all.
+
+    It stays in the tables, with its status and what was said.
+    """
     return replace(columns, metric=metric, unit="cm", status="failed", run_id=f"({failure.message})")
 
 

@@ -1,8 +1,8 @@
 """What a scene does not need is not built. Here it is built all the same, once, to say what leaving it out saves.
 
 A sequence without a human body is given one in name only: its object, or its inner garment, is called human and its
-vertices get part labels. Then everything that depends on a human body is built and runs. The two are trained for a few steps (sizes and times do
-not depend on what was learnt) and compared. Nothing of this touches the other experiments.
+vertices get part labels. Then everything that depends on a human body is built and runs. The two are trained for a few
+steps (sizes and times do not depend on what was learnt) and compared. Nothing of this touches the other experiments.
 """
 
 import math

@@ -59,7 +59,8 @@ def run(names: list[str], preset: Preset, seeds: int, data_only: bool = False) -
 
 
 def merged(path: Path, rows: list[Row], replaced: Iterable[str] = ()) -> list[Row]:
-    """The rows, and those of the results.csv at `path` that are about other lines, but none of the experiments `replaced`."""
+    """The rows, and those of the results.csv at `path` that are about other lines, but none of the experiments
+    `replaced`."""
 
     def line(row: Row) -> tuple:
         return tuple(getattr(row, column) for column in LINE)
@@ -76,8 +77,8 @@ def merged(path: Path, rows: list[Row], replaced: Iterable[str] = ()) -> list[Ro
 def with_skill(rows: list[Row]) -> list[Row]:
     """The rows and `skill` beside each rollout_l2: 1 - error / skinning's error on the same frames.
 
-    It follows from the digits that results.csv keeps, so that it is the same whether a row was measured just now or read
-    from there.
+    It follows from the digits that results.csv keeps, so that it is the same whether a row was measured just now or
+    read from there.
     """
     errors = [r for r in rows if r.metric == "rollout_l2" and r.status == "ok"]
     skinning = {(r.scene, r.horizon): _kept(r.value) for r in errors if r.method == "skinning"}

@@ -10,7 +10,10 @@ from pathlib import Path
 
 
 class UserError(Exception):
-    """Something outside this program is wrong (a file, a mesh, a disk). The command line prints the line and exits 1."""
+    """Something outside this program is wrong (a file, a mesh, a disk).
+
+    The command line prints the line and exits 1.
+    """
 
     exit_code = 1
 

@@ -113,11 +113,13 @@ class Method(Protocol):
 
 
 class Clock:
-    """Where a step's time goes: wall time, batch 1, synchronised on a CUDA device. Time outside any span is `predict`'s.
+    """Where a step's time goes: wall time, batch 1, synchronised on a CUDA device. Time outside any span is
+    `predict`'s.
 
     Attributes:
         ms: Wall time of each part [ms].
-        processor_ms: Processor time of the whole step, of all threads [ms]; None with a CUDA device, which is waited for.
+        processor_ms: Processor time of the whole step, of all threads [ms]; None with a CUDA device, which is waited
+            for.
     """
 
     def __init__(self) -> None:

@@ -85,8 +85,8 @@ def check_scene(scene: Scene) -> None:
 
 
 def make_reference(source: Source, preset: Preset) -> Reference:
-    """The reference of a scene, which is simulated unless it is there, made from the same by the same code; or a finished
-    file as it is. Two processes that want the same make it once.
+    """The reference of a scene, which is simulated unless it is there, made from the same by the same code; or a
+    finished file as it is. Two processes that want the same make it once.
 
     Raises `UserError` for a wrong scene, or when the file can't be read or written.
     """
@@ -110,7 +110,10 @@ def reference_identity(scene: Scene, preset: Preset) -> str:
 
 
 def _assets(scene: Scene, mesh: MeshSize) -> list[Path]:
-    """The files that a scene is made from: its garment, its body, the body shape that the warm-up begins in, its clip."""
+    """The files that a scene is made from.
+
+    Its garment, its body, the body shape that the warm-up begins in, its clip.
+    """
     from garmentbench.motion.human import DRESSED
     from garmentbench.motion.stick import STICK
 

@@ -1,4 +1,7 @@
-"""A scene simulated again for comparison: with changed settings, or on a finer mesh, and timed by the processor's clock."""
+"""A scene simulated again for comparison.
+
+With changed settings, or on a finer mesh, and timed by the processor's clock.
+"""
 
 import time
 from dataclasses import replace
@@ -28,9 +31,10 @@ def simulate_again(
         device: Warp device.
 
     Returns:
-        Positions after the warm-up of the vertices that the garment's own mesh has [m], shape (T, V, 3), float32, as long as
-        they are finite; and what came of it: substeps, ms_per_frame, status ("ok" or "diverged"), first_bad_frame.
-        A run is judged after the warm-up: a push at the start may strain the cloth for a moment more than it may be.
+        Positions after the warm-up of the vertices that the garment's own mesh has [m], shape (T, V, 3), float32, as
+        long as they are finite; and what came of it: substeps, ms_per_frame, status ("ok" or "diverged"),
+        first_bad_frame. A run is judged after the warm-up: a push at the start may strain the cloth for a moment more
+        than it may be.
 
     Raises as `Outfit.of`.
     """

@@ -1,8 +1,9 @@
 """Trust in the reference: how far it moves when its step is halved, its start is pushed and its mesh is refined.
 
 Every run is of the scene's first frames, after the whole warm-up, so that what is measured is what methods are measured
-against. Runs with other steps are compared with the finest one; runs with another start or mesh with the chosen setting.
-A start pushed by a micrometre shows what rounding alone does: differences of that size say nothing about the step.
+against. Runs with other steps are compared with the finest one; runs with another start or mesh with the chosen
+setting. A start pushed by a micrometre shows what rounding alone does: differences of that size say nothing about the
+step.
 
 The mesh is refined by the middles of its edges: the same rest surface, the same vertices and more between them, so that
 nothing but the discretisation differs. Garments baked at another size would have another rest shape too.
@@ -185,7 +186,10 @@ def _variant_rows(scene_name: str, variant: Variant, preset: Preset, results: di
 
 
 def distances(positions: np.ndarray, others: np.ndarray) -> dict[str, tuple[float, str]]:
-    """Value and unit of each metric of two runs' positions [m], shape (T, V, 3); NaN where one ended before the other."""
+    """Value and unit of each metric of two runs' positions [m], shape (T, V, 3).
+
+    NaN where one ended before the other.
+    """
     whole = len(positions) == len(others)
     return {m.name: (m.compute(positions, others) if whole else math.nan, m.unit) for m in DIFFERENCES}
 

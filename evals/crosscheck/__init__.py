@@ -1,1 +1,4 @@
-"""The reference against an independent engine: the same cloth, start and body in Newton's VBD solver (optional extra)."""
+"""The reference against an independent engine.
+
+The same cloth, start and body in Newton's VBD solver (optional extra).
+"""

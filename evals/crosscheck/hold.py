@@ -6,7 +6,8 @@ import numpy as np
 
 
 def hermite(p0: np.ndarray, p1: np.ndarray, m0: np.ndarray, m1: np.ndarray, u: float) -> np.ndarray:
-    """Positions [m], shape (B, 3), at the fraction u of a frame, of those at its ends and their tangents [m a frame]."""
+    """Positions [m], shape (B, 3), at the fraction u of a frame, of those at its ends and their tangents [m a
+    frame]."""
     w = 1.0 - u
     return w * w * ((1 + 2 * u) * p0 + u * m0) + u * u * ((3 - 2 * u) * p1 - w * m1)
 
@@ -33,7 +34,10 @@ class Held:
 
 
 def fasten(points: np.ndarray, faces: np.ndarray, surface: np.ndarray) -> Held:
-    """Fasten points [m], shape (P, 3), each to the face whose centre is nearest. surface: vertices [m], shape (B, 3)."""
+    """Fasten points [m], shape (P, 3), each to the face whose centre is nearest.
+
+    surface: vertices [m], shape (B, 3).
+    """
     from scipy.spatial import cKDTree
 
     corners = faces[cKDTree(surface[faces].mean(axis=1)).query(points)[1]] if len(points) else np.zeros((0, 3), int)

@@ -1,8 +1,8 @@
 """Two strips of cloth that tell how stiff an engine really is: one hangs by its own weight, one droops from a clamp.
 
 They are simulated in both engines until they rest, on triangles as large as the garment's: what an implicit solver that
-stops early adds to a cloth's softness depends on the mesh. The other engine's membrane and hinge stiffness are scaled until
-its strips end where the reference's do; what is left of the difference is the error of the match.
+stops early adds to a cloth's softness depends on the mesh. The other engine's membrane and hinge stiffness are scaled
+until its strips end where the reference's do; what is left of the difference is the error of the match.
 """
 
 from collections.abc import Callable, Sequence
@@ -83,7 +83,8 @@ def cantilever(material: Material, gravity: float, edge: float) -> Strip:
 
 
 def match(material: Material, settings: Settings, vbd: VbdSettings, edge: float) -> Match:
-    """Scale the other engine's stiffness until both strips, of triangles with that edge [m], end where the reference's do.
+    """Scale the other engine's stiffness until both strips, of triangles with that edge [m], end where the reference's
+    do.
 
     Raises as `drive_vbd`.
     """
@@ -113,7 +114,8 @@ def vbd_fall(strip: Strip, material: Material, settings: Settings, vbd: VbdSetti
 
 
 def fitted(name: str, vbd: VbdSettings, ratio: Callable[[VbdSettings], float]) -> tuple[VbdSettings, float]:
-    """The settings with one stiffness scaled so that `ratio` (their fall over the wanted one) is 1, and what it is then.
+    """The settings with one stiffness scaled so that `ratio` (their fall over the wanted one) is 1, and what it is
+    then.
 
     The secant method on the logarithms of both, begun with a fall in inverse proportion to stiffness.
     """

@@ -54,7 +54,8 @@ def newton_model(
     import newton
     import warp as wp
 
-    # On equilateral triangles springs of modulus s make a sheet with E = s / 3, nu = 1 / 3: both its Lamé parameters are s / 8.
+    # On equilateral triangles springs of modulus s make a sheet with E = s / 3, nu = 1 / 3: both its Lamé parameters
+    # are s / 8.
     lame = vbd.membrane * material.stretch / 8
     stiffness = float(np.median(fabric.mass)) * settings.contact_frequency**2
     damping = 2 * settings.contact_damping * float(np.median(fabric.mass)) * settings.contact_frequency

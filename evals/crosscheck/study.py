@@ -1,4 +1,5 @@
-"""Trust in the reference: the same scenes in an independent engine (Newton's VBD), with the cloth matched by two strips.
+"""Trust in the reference: the same scenes in an independent engine (Newton's VBD), with the cloth matched by two
+strips.
 
 The difference is reported, not hidden. Part of it is the material: the reference's cloth gives way more easily when it
 is shortened than when it is stretched (`compression`), which the other engine's does not. So the reference is also run

@@ -17,7 +17,8 @@ COMPARED = {
 
 
 def crosscheck_table(found: list[Line]) -> Table:
-    """Each comparison: how far the engines are apart beside the reference's own uncertainty, and what each has of its own."""
+    """Each comparison: how far the engines are apart beside the reference's own uncertainty, and what each has of
+    its own."""
     rows = []
     for line in found:
         apart, spread = line.value("difference"), line.value("difference_p95")

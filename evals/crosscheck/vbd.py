@@ -1,9 +1,9 @@
 """A garment in Newton's VBD solver (vertex block descent, Chen et al. 2024): implicit, other elements, other contact.
 
-What it shares with the reference is what is given: rest shape, masses, start, the body's motion and the air. Its own are
-the elements (neo-Hookean triangles, dihedral bending), the integrator (implicit Euler) and the contact (a penalty at the
-nearest point, smoothed friction). It has no counterpart to the material's `compression`: its cloth resists shortening
-as it does lengthening.
+What it shares with the reference is what is given: rest shape, masses, start, the body's motion and the air. Its own
+are the elements (neo-Hookean triangles, dihedral bending), the integrator (implicit Euler) and the contact (a penalty
+at the nearest point, smoothed friction). It has no counterpart to the material's `compression`: its cloth resists
+shortening as it does lengthening.
 """
 
 import time
@@ -56,7 +56,8 @@ def drive_vbd(
     """Simulate a garment on what it touches with VBD, on the CPU.
 
     Args:
-        garment: Template; its rest shape is the fabric's. Its pinned vertices are held by the obstacle, or where they are.
+        garment: Template; its rest shape is the fabric's. Its pinned vertices are held by the obstacle, or where they
+            are.
         start: First positions [m], world axes, shape (V, 3); it starts at rest.
         obstacle: What it touches, or None.
         frames: How many, the first included.
@@ -140,7 +141,8 @@ class _World:
                 self.state, self.next = self.next, self.state
 
     def _move_obstacle(self, before: np.ndarray, after: np.ndarray, dt: float) -> None:
-        """The obstacle where it is at the end of the substep (VBD is implicit), what it holds, and the contacts there."""
+        """The obstacle where it is at the end of the substep (VBD is implicit), what it holds, and the contacts
+        there."""
         for mesh in self.meshes:
             mesh.points.assign(after.astype(np.float32))
             mesh.velocities.assign(((after - before) / dt).astype(np.float32))
@@ -152,7 +154,10 @@ class _World:
         self.pipeline.collide(self.state, self.contacts)
 
     def _drag(self, wind: np.ndarray) -> np.ndarray:
-        """Force of the air [N], shape (P, 3): it moves with the skin at the skin and with the wind [m/s] away from it."""
+        """Force of the air [N], shape (P, 3).
+
+        It moves with the skin at the skin and with the wind [m/s] away from it.
+        """
         x, v = self.state.particle_q.numpy(), self.state.particle_qd.numpy()
         air = np.tile(wind.astype(np.float32), (len(x), 1))
         if self.contacts is not None:

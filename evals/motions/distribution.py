@@ -1,7 +1,7 @@
 """How far motions are apart: poses as seed points on the body, and their map to the plane by t-SNE.
 
-Source: figure 5 of Zhang et al. 2022, "t-SNE computed over the 3D body seed points sampled on the dynamic body sequences".
-It does not say whether where the body stands and which way it faces count; here neither does.
+Source: figure 5 of Zhang et al. 2022, "t-SNE computed over the 3D body seed points sampled on the dynamic body
+sequences". It does not say whether where the body stands and which way it faces count; here neither does.
 """
 
 from dataclasses import replace

@@ -1,4 +1,7 @@
-"""How the motions are distributed, in the manner of figure 5: the T-shirt's scenes on the base body, without any cloth."""
+"""How the motions are distributed, in the manner of figure 5.
+
+The T-shirt's scenes on the base body, without any cloth.
+"""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING

@@ -16,12 +16,18 @@ APART = "apart_from:"  # a metric's name is this and a training motion's
 
 
 def motion_label(scene: str) -> str:
-    """A motion's name for people: the scene's without the garment; recorded clips are all called "clip", their scenes not."""
+    """A motion's name for people: the scene's without the garment.
+
+    Recorded clips are all called "clip", their scenes not.
+    """
     return scene.split("-", 1)[-1]
 
 
 def motions_table(lines: list[Line]) -> Table:
-    """Distances of each motion's poses from the nearest training pose; those trained on first, then the nearest first."""
+    """Distances of each motion's poses from the nearest training pose.
+
+    Those trained on first, then the nearest first.
+    """
     rows = []
     for line in lines:
         values = [line.value(APART + name) for name in TRAINED]

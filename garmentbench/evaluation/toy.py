@@ -13,7 +13,8 @@ def tiny_sequence(frames: int = 30, kind: str | None = HUMAN, fps: float = 30.0,
 
     Args:
         frames: Its length.
-        kind: "human" (a body with two parts), "object" (no parts), "garment" (an open tube beneath), or None (no body at all).
+        kind: "human" (a body with two parts), "object" (no parts), "garment" (an open tube beneath), or None (no body
+            at all).
         fps: Frames a second.
         phase: Where the swaying begins [rad]: another phase, another sequence.
     """

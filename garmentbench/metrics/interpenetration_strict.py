@@ -6,9 +6,9 @@
 d is the signed distance [m] of a garment vertex to the nearest point of the body's triangles, negative inside
 (`garmentbench.geometry.signed_distance`).
 
-When it lies. Where the body passes through itself (an arm in the trunk) the nearest surface decides, and cloth caught in
-between may count as outside. `depth_p95` is over the vertices inside only: one deep vertex looks worse than a thousand
-shallow ones, so read it beside the share. Garment edges and faces between the vertices are not looked at.
+When it lies. Where the body passes through itself (an arm in the trunk) the nearest surface decides, and cloth caught
+in between may count as outside. `depth_p95` is over the vertices inside only: one deep vertex looks worse than a
+thousand shallow ones, so read it beside the share. Garment edges and faces between the vertices are not looked at.
 """
 
 import numpy as np

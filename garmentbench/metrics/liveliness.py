@@ -7,8 +7,8 @@
 same k for both, so that only the cloth's own motion differs. Without a body the cloth's motion itself is taken.
 
 When it lies. It is a sum over the whole garment and time: too much flutter at the hem makes up for a dead sleeve, and
-jitter counts as life: read `jitter` beside it. Cloth that turns with a limb moves a little relative to the nearest skin,
-so plain skinning doesn't score 0. It is NaN where the reference does not move relative to the body.
+jitter counts as life: read `jitter` beside it. Cloth that turns with a limb moves a little relative to the nearest
+skin, so plain skinning doesn't score 0. It is NaN where the reference does not move relative to the body.
 """
 
 import numpy as np

@@ -64,7 +64,8 @@ class Metric:
         compute: Its value, of a `Motion`; of a number that only a study has, of what `compute` itself says.
         applies: To which motions (by default to all); elsewhere it has no row.
         best: "low", "high", or "one" (the nearer to 1 the better).
-        whole: It needs the shape of the whole roll-out: NaN where that ended early. The reference has a value of its own.
+        whole: It needs the shape of the whole roll-out: NaN where that ended early. The reference has a value of its
+            own.
     """
 
     name: str

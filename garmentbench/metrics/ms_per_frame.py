@@ -11,8 +11,8 @@ within a table, not between tables. What is done once at `begin` doesn't count. 
 tell a pipeline's throughput.
 Other work on the machine makes wall time longer, but not processor time: where a wall time is more than 1.25 times the
 processor time of the same steps (and more than 0.05 ms above it), its row is marked "timed under load". A method that
-waits (for a file, a server, another process) is marked, too; load goes unmarked where a step's own threads keep more than
-one core busy, and on a CUDA device, for which the processor waits, so that no processor time is taken.
+waits (for a file, a server, another process) is marked, too; load goes unmarked where a step's own threads keep more
+than one core busy, and on a CUDA device, for which the processor waits, so that no processor time is taken.
 """
 
 import numpy as np

@@ -6,10 +6,10 @@
 `garmentbench.geometry.crossing` says when two triangles cross.
 
 When it lies. Faces are counted, not depths: a corner through by a hundredth of a millimetre counts like a sleeve pulled
-inside out, and a coarse mesh has larger faces, hence a larger share for the same tangle. Faces that share a vertex are not
-looked at, so a crease folded through itself at one vertex is not seen, nor is cloth that merely touches or lies exactly in
-one plane. A rest shape that crosses itself counts in every frame. Of two layers each is measured alone: the inner garment
-through the outer one is `interpenetration`.
+inside out, and a coarse mesh has larger faces, hence a larger share for the same tangle. Faces that share a vertex are
+not looked at, so a crease folded through itself at one vertex is not seen, nor is cloth that merely touches or lies
+exactly in one plane. A rest shape that crosses itself counts in every frame. Of two layers each is measured alone: the
+inner garment through the outer one is `interpenetration`.
 """
 
 import numpy as np

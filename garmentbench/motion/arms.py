@@ -13,8 +13,8 @@ _HANGING = (0.0, 0.5)  # cosine of the arm against straight down: from where on 
 
 
 def turn_out(clip: Clip, degrees: float, baked: BakedBody) -> Clip:
-    """The arms turned outward about the chest's forward axis; less the more they are raised, not at all from the horizontal
-    on."""
+    """The arms turned outward about the chest's forward axis; less the more they are raised, not at all from the
+    horizontal on."""
     rotations = clip.rotations.copy()
     chest = rotations[:, baked.joint_names.index("chest")]
     for side, sign in (("L", -1.0), ("R", 1.0)):

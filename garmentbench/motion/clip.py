@@ -44,7 +44,10 @@ class Clip:
         )
 
     def at(self, frame: np.ndarray, fps: float) -> "Clip":
-        """The clip at these frames, shape (N,), which need not be whole numbers: rotations by spherical interpolation."""
+        """The clip at these frames, shape (N,), which need not be whole numbers.
+
+        Rotations by spherical interpolation.
+        """
         known = np.arange(len(self))
         frame = np.clip(frame, 0, len(self) - 1)
         rotations = np.empty((len(frame), *self.rotations.shape[1:]))
@@ -79,7 +82,10 @@ def part(path: Path, seconds: float, fps: float, start: float, stop: float | Non
 
 
 def save_clip(clip: Clip, joint_names: tuple[str, ...], notes: str, path: Path) -> None:
-    """Write a clip: its arrays (as in `Clip`; rotations and root in float32), joint names and provenance. Raises `UserError`."""
+    """Write a clip: its arrays (as in `Clip`; rotations and root in float32), joint names and provenance.
+
+    Raises `UserError`.
+    """
     with written_whole(path) as partial, partial.open("wb") as file:
         np.savez_compressed(
             file,

@@ -25,8 +25,8 @@ _DRESSED = "base"  # the shape that garments are made for, in which every warm-u
 def animate_clip(scene: Scene, size: str, frames: int) -> Animation:
     """The scene's body in its clip for `frames` frames, after the warm-up.
 
-    The warm-up begins in the rest pose of the base shape at the origin, which within a second turns into the clip's first
-    pose and the scene's shape; then the clip starts. Frame 0 shows it half a second after its start.
+    The warm-up begins in the rest pose of the base shape at the origin, which within a second turns into the clip's
+    first pose and the scene's shape; then the clip starts. Frame 0 shows it half a second after its start.
     Raises `UserError` where the clip is too short, and as `load_clip`.
     """
     when = _clip_frames(scene, frames)
@@ -84,7 +84,8 @@ def _vertices(scene: Scene, baked: BakedBody, when: np.ndarray) -> np.ndarray:
 
 
 def _from_rest(clip: Clip, baked: BakedBody) -> tuple[np.ndarray, np.ndarray]:
-    """Rotations and root of a clip whose first frames lead out of the rest pose, the lower foot on the floor meanwhile."""
+    """Rotations and root of a clip whose first frames lead out of the rest pose, the lower foot on the floor
+    meanwhile."""
     share = smoothstep(np.arange(len(clip)) / _POSED)
     first = share < 1
     rotations, root = clip.rotations.copy(), clip.root.copy()

@@ -50,9 +50,9 @@ def status_cell(line: Line) -> Cell:
 def best(values: list[Value | None], name: str) -> Value | None:
     """The value that is better than every other beyond doubt; None where there is none.
 
-    Beyond doubt: the two differ by more than the reference's uncertainty, their intervals over the seeds do not overlap,
-    and neither comes from a single training with chance in it, of which nobody knows how far another would move it.
-    What failed in some seeds doesn't compete; where the uncertainty isn't known nothing is best.
+    Beyond doubt: the two differ by more than the reference's uncertainty, their intervals over the seeds do not
+    overlap, and neither comes from a single training with chance in it, of which nobody knows how far another would
+    move it. What failed in some seeds doesn't compete; where the uncertainty isn't known nothing is best.
     """
     merit = {"low": lambda x: -x, "high": lambda x: x, "one": lambda x: -abs(x - 1.0)}[metric(name).best]
     running = [v for v in values if v is not None and not v.endings]

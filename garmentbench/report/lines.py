@@ -1,4 +1,7 @@
-"""What a report is made from: results.csv, as lines of tables with their values over the seeds, and the runs it names."""
+"""What a report is made from.
+
+results.csv, as lines of tables with their values over the seeds, and the runs it names.
+"""
 
 import json
 import math

@@ -81,7 +81,10 @@ def _draw_error(axes: "Axes", material: "Material", name: str | None, colour: st
 
 
 def error_against_time(lines: list[Line]) -> bytes:
-    """Roll-out error against time a frame, both logarithmic, with intervals over the seeds; the simulator's time too."""
+    """Roll-out error against time a frame, both logarithmic, with intervals over the seeds.
+
+    The simulator's time too.
+    """
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(9, 4.2), layout="constrained")
         axes = figure.subplots()

@@ -1,6 +1,7 @@
 """The runs behind a report, in a form small enough to go with it: ids, configurations, loss curves, commands.
 
-The run folders themselves (checkpoints, roll-outs, recordings) are hundreds of times larger and stay where they were made.
+The run folders themselves (checkpoints, roll-outs, recordings) are hundreds of times larger and stay where they were
+made.
 """
 
 import json
@@ -26,7 +27,10 @@ CURVES = "Loss of each training, by its steps; several curves of a colour are it
 
 
 def runs_section(name: str, lines: list[Line], results: Results) -> Section | None:
-    """The runs of a part's lines: a table, and the loss curves where something was learned. None where there is no run."""
+    """The runs of a part's lines: a table, and the loss curves where something was learned.
+
+    None where there is no run.
+    """
     rows, full = [], {line.method: _config(line, results) for line in reversed(lines) if line.variant in ("", "full")}
     for line in lines:
         for run in line.run_ids:

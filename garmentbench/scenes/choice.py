@@ -16,8 +16,8 @@ def is_choice(word: str) -> bool:
 
 
 def choose_scenes(words: Sequence[str]) -> list[Scene]:
-    """The scenes that words stand for: those of any name, path of a TOML file or pattern (all, if there is none), as far
-    as every filter key=value fits.
+    """The scenes that words stand for: those of any name, path of a TOML file or pattern (all, if there is none), as
+    far as every filter key=value fits.
 
     >>> [scene.name for scene in choose_scenes(["sheet-*", "split=train"])]
     ['sheet-stick-a']

@@ -13,6 +13,9 @@ def as_body(garment: Garment) -> Body:
 
 
 def sewn(garment: Garment, positions: np.ndarray) -> np.ndarray:
-    """Of a garment's vertices [m], shape (..., V, 3), those that `as_body` keeps, in its order: one of each seam point."""
+    """Of a garment's vertices [m], shape (..., V, 3), those that `as_body` keeps, in its order.
+
+    One of each seam point.
+    """
     particle, _ = weld(len(garment.rest), garment.seams)
     return positions[..., np.unique(particle, return_index=True)[1], :]

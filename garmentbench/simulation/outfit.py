@@ -57,7 +57,8 @@ class Outfit:
         change: Callable[[Settings], Settings] = lambda s: s,
         step: Callable[[], None] = lambda: None,
     ) -> list["Worn"]:
-        """Drive every layer through the warm-up and so many `frames` more, fewer where the one beneath becomes not finite.
+        """Drive every layer through the warm-up and so many `frames` more, fewer where the one beneath becomes not
+        finite.
 
         Args:
             frames: At most the scene's.
@@ -68,7 +69,8 @@ class Outfit:
         count, worn = self.animation.warm_up + frames, []
         for layer in self.layers:
             beneath = (worn[-1].body, worn[-1].surface[:count]) if worn else None
-            # An inner layer sees one frame more, if there is one: the last frame's tangent is then that of its own scene.
+            # An inner layer sees one frame more, if there is one: the last frame's tangent is then that of its own
+            # scene.
             seen = count + (layer is not self.layers[-1])
             run = drive(
                 layer.garment,

@@ -6,7 +6,10 @@ from garmentbench.storage.runs import Run, flat
 
 
 def list_rows(runs: list[Run]) -> list[dict[str, str]]:
-    """One row a run: id, state, when started, wall time, and what it was about in a few words; at last why it failed."""
+    """One row a run: id, state, when started, wall time, and what it was about in a few words.
+
+    At last why it failed.
+    """
     return [
         {
             "run": run.id,

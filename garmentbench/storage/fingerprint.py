@@ -65,8 +65,8 @@ def fingerprint(*sources: str | Path) -> str:
 
     A module's name ("garmentbench.simulation") stands for that module, or all modules of that package, and every module
     of the same project that they import, directly or not. Modules count by what they contain, whatever they are called
-    and wherever they lie. Comments, docstrings, layout, plain functions' annotations and imports for type checkers don't count. A path stands
-    for the bytes of that file or folder. Raises ModuleNotFoundError for an unknown name.
+    and wherever they lie. Comments, docstrings, layout, plain functions' annotations and imports for type checkers
+    don't count. A path stands for the bytes of that file or folder. Raises ModuleNotFoundError for an unknown name.
     """
     code = [_hash_with_imports(name) for name in _reached([s for s in sources if isinstance(s, str)])]
     data = {}
@@ -138,7 +138,8 @@ class _Import:
 
 @dataclass(frozen=True)
 class _Parsed:
-    """A module: a hash of its own code without imports from its own project, these imports, and those for type checkers."""
+    """A module: a hash of its own code without imports from its own project, these imports, and those for type
+    checkers."""
 
     own: str
     imports: tuple[_Import, ...]
@@ -163,7 +164,8 @@ def _parsed(name: str) -> _Parsed:
 
 @cache
 def _imports(name: str) -> tuple[_Import, ...]:
-    """What a module imports of its own project, from where it is defined rather than from a package that passes it on."""
+    """What a module imports of its own project, from where it is defined rather than from a package that passes it
+    on."""
     return tuple(_defined(found) for found in _parsed(name).imports)
 
 

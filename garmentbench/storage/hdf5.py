@@ -76,7 +76,10 @@ def opened(path: Path, kind: str, schema: int, remake: str) -> Iterator[h5py.Fil
 
 
 def put_attributes(holder: h5py.Group, **values: str | int | float) -> None:
-    """Write attributes. Texts have fixed length: HDF5 keeps others where no checksum guards them, and may hang there."""
+    """Write attributes. Texts have fixed length.
+
+    HDF5 keeps others where no checksum guards them, and may hang there.
+    """
     for name, value in values.items():
         holder.attrs[name] = np.bytes_(value.encode()) if isinstance(value, str) else value
 

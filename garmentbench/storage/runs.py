@@ -243,7 +243,10 @@ def run_id(kind: str, identity: dict) -> str:
 
 
 def flat(run: Run) -> dict[str, Any]:
-    """A run as one level of dotted keys: id, kind, state, seed, identity.*, and where finished results.*, times.* ..."""
+    """A run as one level of dotted keys.
+
+    Id, kind, state, seed, identity.*, and where finished results.*, times.* ...
+    """
     top = {"id": run.id, "kind": run.kind, "state": run.state, "seed": run.seed, "identity": run.identity}
     return _flatten("", {**top, **(run.record or {})})
 

@@ -1,4 +1,7 @@
-"""TOML files read into dataclasses: what does not fit is one line that names file, key, what was found and what is wanted."""
+"""TOML files read into dataclasses.
+
+What does not fit is one line that names file, key, what was found and what is wanted.
+"""
 
 import math
 import re
@@ -57,8 +60,8 @@ def _converted(value: Any, kind: Any, file: str, at: str) -> Any:
 
 
 def _check(value: Any, kind: Any, file: str, at: str) -> None:
-    """Raises `UserError` for a key that no dataclass has, for a number that is not finite, and in a table of named entries
-    for the entry that does not fit."""
+    """Raises `UserError` for a key that no dataclass has, for a number that is not finite, and in a table of named
+    entries for the entry that does not fit."""
     if isinstance(value, float) and not math.isfinite(value):
         raise UserError(f"{file}: {at} is {value}; wanted a finite number")
     if isinstance(value, list):

@@ -64,7 +64,8 @@ def fit_dynamics(recordings: list[Recording]) -> np.ndarray:
 
 
 def transitions(recordings: list[Recording]) -> Recording:
-    """Inputs [z_t-1, z_t-2, f_t], shape (N, 2 K + Q), and targets z_t, shape (N, K), of all steps within a recording."""
+    """Inputs [z_t-1, z_t-2, f_t], shape (N, 2 K + Q), and targets z_t, shape (N, K), of all steps within a
+    recording."""
     inputs = [np.concatenate([z[1:-1], z[:-2], f[2:]], axis=1) for z, f in recordings]
     return np.concatenate(inputs), np.concatenate([z[2:] for z, _ in recordings])
 

@@ -30,7 +30,8 @@ class UVTables:
     def sampling(self, size: int) -> sp.csr_matrix:
         """Sampling of a map of `size` pixels a side, 2 S or S, at the vertices, shape (V, size^2).
 
-        A map of S is first made twice as large, bilinearly, its corners staying where they are, as in the authors' code.
+        A map of S is first made twice as large, bilinearly, its corners staying where they are, as in the authors'
+        code.
         """
         large = 2 * self.chart.size
         sampling = table_matrix(self.pixels, self.weights, large)

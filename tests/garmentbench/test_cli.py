@@ -1,4 +1,7 @@
-"""The command line as it is typed: names, exit codes, one-line messages, and what is left behind when things go wrong."""
+"""The command line as it is typed.
+
+Names, exit codes, one-line messages, and what is left behind when things go wrong.
+"""
 
 import os
 import signal

@@ -1,4 +1,7 @@
-"""Training on one or more scenes and evaluating, as typed: names resolved once, other garments refused, failures told."""
+"""Training on one or more scenes and evaluating, as typed.
+
+Names resolved once, other garments refused, failures told.
+"""
 
 from dataclasses import replace
 

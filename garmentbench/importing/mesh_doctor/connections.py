@@ -52,7 +52,8 @@ def repeated_faces(mesh: Mesh) -> list[Finding]:
 
 
 def without_doubles(mesh: Mesh) -> Mesh:
-    """The same mesh, faces that lie on another shrunk to their first corner, so that no later check meets them again."""
+    """The same mesh, faces that lie on another shrunk to their first corner, so that no later check meets them
+    again."""
     again = doubles(mesh.corners)
     faces = mesh.faces.copy()
     faces[again] = faces[again, :1]

@@ -1,4 +1,7 @@
-"""Reading a garment, or a body to check it against, from an OBJ, PLY, .npz or sequence file; writing a mended garment."""
+"""Reading a garment, or a body to check it against, from an OBJ, PLY, .npz or sequence file.
+
+Writing a mended garment.
+"""
 
 import re
 from pathlib import Path
@@ -128,7 +131,10 @@ def wardrobe_lines(path: Path) -> str:
 
 
 def write_mesh(path: Path, mesh: Mesh) -> list[str]:
-    """Write a garment whole; gives a line on what the format can't hold. Raises `UserError` where it can't be written."""
+    """Write a garment whole; gives a line on what the format can't hold.
+
+    Raises `UserError` where it can't be written.
+    """
     writable(path)
     if path.suffix.lower() == ".npz":
         _write_npz(path, mesh)

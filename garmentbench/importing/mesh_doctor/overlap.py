@@ -29,8 +29,8 @@ def overlaps(triangles: np.ndarray) -> Overlap:
     """All pairs of triangles that overlap. Neighbours that share an edge or a corner do so only where one is folded.
 
     Shapely's STRtree finds the candidates. Exact up to `DEPTH`, which no predicate of shapely's allows for; triangles
-    without area overlap nothing. Ends early, saying so, after 60 million candidates or 100,000 overlapping pairs: a layout
-    with every triangle on every other would ask for them all.
+    without area overlap nothing. Ends early, saying so, after 60 million candidates or 100,000 overlapping pairs: a
+    layout with every triangle on every other would ask for them all.
 
     Args:
         triangles: Shape (N, 3, 2), finite, either way round.
@@ -62,7 +62,10 @@ def overlaps(triangles: np.ndarray) -> Overlap:
 
 
 def _apart(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Does a side of a part it from b, both anticlockwise, shape (N, 3, 2)? Then all of b is right of it; shape (N,)."""
+    """Does a side of a part it from b, both anticlockwise, shape (N, 3, 2)? Then all of b is right of it.
+
+    Shape (N,).
+    """
     apart = np.zeros(len(a), bool)
     for k in range(3):
         side = a[:, (k + 1) % 3] - a[:, k]

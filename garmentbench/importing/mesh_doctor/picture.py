@@ -22,7 +22,8 @@ _OCTAHEDRON = np.array([[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [
 
 
 def picture(mesh: Mesh, findings: list[Finding], png: Path, body: Body | None = None) -> None:
-    """Draw a garment from two sides, on the body that it was checked against, and its UV map beside it, into a PNG file.
+    """Draw a garment from two sides, on the body that it was checked against, and its UV map beside it, into a PNG
+    file.
 
     Raises `UserError` for positions that are not finite, or where the file can't be written.
     """

@@ -145,7 +145,10 @@ def drop_flat(mesh: Mesh) -> Done:
 
 
 def _on_border(mesh: Mesh) -> np.ndarray:
-    """Faces that can go without a slit: two or three sides on a border, or the longest and the corner opposite inside."""
+    """Faces that can go without a slit.
+
+    Two or three sides on a border, or the longest and the corner opposite inside.
+    """
     corners, open_ = mesh.points[mesh.corners], mesh.sides.border
     longest = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2).argmax(axis=1)
     rows = np.arange(len(longest))

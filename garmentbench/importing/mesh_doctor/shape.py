@@ -1,4 +1,7 @@
-"""Numbers, triangles and edges of a garment's rest shape: NaN, faces without area, slivers, short edges, unit, up axis."""
+"""Numbers, triangles and edges of a garment's rest shape.
+
+NaN, faces without area, slivers, short edges, unit, up axis.
+"""
 
 import numpy as np
 

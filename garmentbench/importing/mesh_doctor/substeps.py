@@ -51,7 +51,8 @@ def cost(mesh: Mesh) -> Cost | None:
 
 
 def _bounds(stretch: np.ndarray, bending: np.ndarray, material: Material) -> np.ndarray:
-    """Stable time step [s] of each particle alone, by `simulation.stability`'s formula, of squared frequencies [1/s^2]."""
+    """Stable time step [s] of each particle alone, by `simulation.stability`'s formula, of squared frequencies
+    [1/s^2]."""
     square = stretch + bending
     damping = material.stretch_damping * stretch + material.bend_damping * bending
     return (np.sqrt(damping**2 + 4 * square) - damping) / square

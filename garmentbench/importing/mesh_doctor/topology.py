@@ -80,8 +80,8 @@ class Winding:
 def winding(found: Sides) -> Winding:
     """Whether neighbours agree which way round they run.
 
-    Each face is two nodes, itself and itself turned; nodes that agree across an edge are joined. A patch whose faces can
-    agree falls into two components, one the mirror of the other; a one-sided patch stays in one.
+    Each face is two nodes, itself and itself turned; nodes that agree across an edge are joined. A patch whose faces
+    can agree falls into two components, one the mirror of the other; a one-sided patch stays in one.
     """
     count = len(found.edge)
     face = found.joined // 3

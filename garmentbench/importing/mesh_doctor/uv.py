@@ -1,4 +1,5 @@
-"""The UV map of a garment: is there one, in the unit square, every triangle once and the same way round in its chart?"""
+"""The UV map of a garment: is there one, in the unit square, every triangle once and the same way round in its
+chart?"""
 
 import numpy as np
 

@@ -1,7 +1,7 @@
 """Alembic: polygon meshes with their world transforms and UV. It says neither unit nor up axis.
 
-Needs `alembic3d` (in the extra `alembic`), PyAlembic as a wheel. Damaged files may crash its library: `subprocess_reader` calls
-`read_alembic` in a process of its own.
+Needs `alembic3d` (in the extra `alembic`), PyAlembic as a wheel. Damaged files may crash its library:
+`subprocess_reader` calls `read_alembic` in a process of its own.
 """
 
 from collections.abc import Iterator

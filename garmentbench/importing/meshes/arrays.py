@@ -43,7 +43,8 @@ def read_npz(path: Path) -> MeshSequence:
 def read_hdf5(path: Path) -> MeshSequence:
     """An HDF5 file with these datasets at its root. Raises as `read_npz`.
 
-    Old HDF5 has no checksums, and a damaged file may hang the library: `subprocess_reader.read_isolated` is the safe way to call it.
+    Old HDF5 has no checksums, and a damaged file may hang the library: `subprocess_reader.read_isolated` is the safe
+    way to call it.
     """
     size_of(path, "an HDF5 file")
     arrays = {}

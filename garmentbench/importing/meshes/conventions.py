@@ -1,4 +1,7 @@
-"""Units, up axis and frame rate: as given, else as the file says, else worked out from the body; refused where unclear."""
+"""Units, up axis and frame rate: as given, else as the file says, else worked out from the body.
+
+Refused where unclear.
+"""
 
 from dataclasses import dataclass
 

@@ -149,7 +149,8 @@ def _body(body: MeshSequence, found: Conventions, wanted: Wanted, count: int) ->
 
 
 def _frame_count(garment: int, body: int | None, asked: int | None) -> int:
-    """How many frames are taken, of so many of the garment and of the body (1: it stands still; None: there is none)."""
+    """How many frames are taken, of so many of the garment and of the body (1: it stands still; None: there is
+    none)."""
     if asked is not None and not 1 <= asked <= garment:
         raise UsageError(f"--frames is {asked}; the garment has {garment}")
     if body in (None, 1, garment) or (asked is not None and asked <= body):

@@ -65,7 +65,10 @@ def read_series(files: list[Path], template: Path | None = None, step: Step = la
 
 
 def write_series(folder: Path, mesh: MeshSequence, step: Step = lambda: None) -> list[Path]:
-    """One OBJ file a frame, 0001.obj and so on, positions to 6 decimals. Raises `UserError` when they can't be written."""
+    """One OBJ file a frame, 0001.obj and so on, positions to 6 decimals.
+
+    Raises `UserError` when they can't be written.
+    """
     digits = max(4, len(str(len(mesh.frames))))
     paths = [folder / f"{t + 1:0{digits}d}.obj" for t in range(len(mesh.frames))]
     rest_of_it = _uv_and_faces(mesh)

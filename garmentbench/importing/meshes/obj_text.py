@@ -1,7 +1,7 @@
 """Reading the text of Wavefront OBJ files without a Python step a line: a frame of 20k vertices in about 20 ms.
 
-Reference: Wavefront's "Object Files (.obj)", Appendix B1 of the Advanced Visualizer manual: v, vt and f lines; indices count
-from 1, negative ones from the end of what was listed so far.
+Reference: Wavefront's "Object Files (.obj)", Appendix B1 of the Advanced Visualizer manual: v, vt and f lines; indices
+count from 1, negative ones from the end of what was listed so far.
 """
 
 import warnings
@@ -36,7 +36,10 @@ class ObjMesh:
 
 
 class ObjText:
-    """An OBJ file's lines, sorted by kind; nothing is parsed until asked for. Raises `UserError`, as all that it does."""
+    """An OBJ file's lines, sorted by kind; nothing is parsed until asked for.
+
+    Raises `UserError`, as all that it does.
+    """
 
     def __init__(self, path: Path) -> None:
         size = size_of(path, "an OBJ file")
@@ -99,7 +102,8 @@ class ObjText:
         return numbers.reshape(count, width)
 
     def _faces(self) -> tuple[np.ndarray, np.ndarray]:
-        """Corners of each polygon, shape (P,), and what each corner names (v, vt, vn as far as given), shape (C, 1 to 3)."""
+        """Corners of each polygon, shape (P,), and what each corner names (v, vt, vn as far as given), shape (C, 1
+        to 3)."""
         if not self.count("f"):
             raise refusal(self.path, "has no f lines (faces), wanted a mesh", "export the mesh with its faces")
         text = self.text("f").translate(_BLANK["f"]).replace(b"//", b"/0/")

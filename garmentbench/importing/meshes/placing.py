@@ -40,8 +40,8 @@ def placed_rest(
 ) -> tuple[np.ndarray, str]:
     """Rest positions [m], shape (W, 3), float32, upright as the first frame is; and what was turned, or "".
 
-    Templates are often exported with other axes than caches: a quarter turn about x that fits the first frame far better
-    is made. A turn about the vertical doesn't count.
+    Templates are often exported with other axes than caches: a quarter turn about x that fits the first frame far
+    better is made. A turn about the vertical doesn't count.
     """
     if mesh.rest is None:
         return first.copy(), ""

@@ -4,8 +4,8 @@ PC2 (PointCache2 by footools), little endian: char[12] "POINTCACHE2\0", int vers
 float sample rate, int samples; then samples x points x 3 floats. The sample rate is "every so many frames", so that the
 format has no frames a second; some programs write these there all the same.
 
-MDD (LightWave's Motion Designer), big endian: int frames, int points, float times [s] of the frames; then frames x points
-x 3 floats."""
+MDD (LightWave's Motion Designer), big endian: int frames, int points, float times [s] of the frames; then frames x
+points x 3 floats."""
 
 import struct
 from pathlib import Path

@@ -1,4 +1,7 @@
-"""Polygons: cut into triangles once for a mesh, so that all frames share the cut; moving ones, as USD and Alembic hold them."""
+"""Polygons: cut into triangles once for a mesh, so that all frames share the cut.
+
+Moving ones, as USD and Alembic hold them.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,8 +17,8 @@ MOST_CORNERS = 100  # of one face; ear clipping is cubic
 def triangulate(counts: np.ndarray, corners: np.ndarray, positions: np.ndarray) -> np.ndarray:
     """Triangles that fill polygons, with the polygons' orientation.
 
-    A quad is cut along its first diagonal unless that lies outside it; polygons of more corners lose one ear after another
-    in their mean plane.
+    A quad is cut along its first diagonal unless that lies outside it; polygons of more corners lose one ear after
+    another in their mean plane.
 
     Args:
         counts: Corners of each polygon, at least 3, shape (P,).

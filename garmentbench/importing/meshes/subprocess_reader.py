@@ -1,7 +1,7 @@
 """Reading USD, Alembic and foreign HDF5 files in a process of its own.
 
-Their libraries trust what a file says: a damaged one may crash the process, hang it, or make it ask for all memory. Here
-that ends a child, which has a limit of time and memory, and becomes one line.
+Their libraries trust what a file says: a damaged one may crash the process, hang it, or make it ask for all memory.
+Here that ends a child, which has a limit of time and memory, and becomes one line.
 """
 
 import json

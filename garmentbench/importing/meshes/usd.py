@@ -1,6 +1,7 @@
 """USD: time-sampled points of polygon meshes, with their world transforms, UV (primvar st), unit, up axis and rate.
 
-Needs `usd-core` (the extra `usd`). Damaged files may crash its library: `subprocess_reader` calls `read_usd` in a process of its own.
+Needs `usd-core` (the extra `usd`). Damaged files may crash its library: `subprocess_reader` calls `read_usd` in a
+process of its own.
 """
 
 import os

@@ -1,4 +1,7 @@
-"""UV of corners to UV of vertices: into the unit square, split where the map is cut, or made anew; and the pairs to sew again."""
+"""UV of corners to UV of vertices: into the unit square, split where the map is cut, or made anew.
+
+And the pairs to sew again.
+"""
 
 from dataclasses import dataclass
 

@@ -1,9 +1,9 @@
 """AMASS-style npz files: SMPL or SMPL-X poses. Read as a skeleton, which needs neither SMPL's code nor its model files.
 
-`poses` (or root_orient beside pose_body, or AIST++'s smpl_poses) holds, a frame, the axis-angle rotations of the joints below, the root's first (more joints follow: hands, face);
-`trans` the path of the root [m]; z is up. A rotation of zero is the T-pose that looks along +y of SMPL's own y-up axes.
-How long the person's bones are is in SMPL's shape space, which only its model files tell: here the bones are an adult's,
-to the centimetre, and `betas` are not used.
+`poses` (or root_orient beside pose_body, or AIST++'s smpl_poses) holds, a frame, the axis-angle rotations of the joints
+below, the root's first (more joints follow: hands, face); `trans` the path of the root [m]; z is up. A rotation of zero
+is the T-pose that looks along +y of SMPL's own y-up axes. How long the person's bones are is in SMPL's shape space,
+which only its model files tell: here the bones are an adult's, to the centimetre, and `betas` are not used.
 """
 
 from pathlib import Path

@@ -1,8 +1,10 @@
-"""Reading BVH, the Biovision hierarchy: joints with offsets and channels in any order, then one line of numbers a frame.
+"""Reading BVH, the Biovision hierarchy: joints with offsets and channels in any order, then one line of numbers a
+frame.
 
-Angles are in degrees and applied in the order of the channels (the first outermost). Position channels take the place of
-the joint's offset, as in Blender. Where almost the whole skeleton hangs from a joint that moves below the root (hips below
-an armature), that joint becomes the root; other joints have bones of constant length, so the median of theirs counts.
+Angles are in degrees and applied in the order of the channels (the first outermost). Position channels take the place
+of the joint's offset, as in Blender. Where almost the whole skeleton hangs from a joint that moves below the root (hips
+below an armature), that joint becomes the root; other joints have bones of constant length, so the median of theirs
+counts.
 
 Read are also, as other programs do: rows beyond `Frames:`, byte order marks, keywords in any case, comments (# or //).
 """

@@ -1,13 +1,13 @@
 """The constant rotations between a recording's bones and ours, whatever its rest pose is.
 
 For each of our bones two directions are looked for that mean the same on both skeletons: where the bone points, and how
-it is twisted (the hinge of the elbow or knee; the line between the shoulders; the sole). In the recording each direction
-is averaged in the frame of its own joint, which takes rest poses of any kind: T, A, or bones along x (Rokoko, Maya).
-With F a joint's two directions as a frame at rest and R its world rotation: R_ours F_ours = R_theirs F_theirs.
+it is twisted (the hinge of the elbow or knee; the line between the shoulders; the sole). In the recording each
+direction is averaged in the frame of its own joint, which takes rest poses of any kind: T, A, or bones along x (Rokoko,
+Maya). With F a joint's two directions as a frame at rest and R its world rotation: R_ours F_ours = R_theirs F_theirs.
 
-Limbs and hinges are averaged over the motion. How trunk, shoulders, head and hands are held against each other, and where
-a sole is, is taken from the recording's rest pose if that is a person standing; else the mean of the motion (of soles:
-while they are flat on the ground) counts as ours at rest.
+Limbs and hinges are averaged over the motion. How trunk, shoulders, head and hands are held against each other, and
+where a sole is, is taken from the recording's rest pose if that is a person standing; else the mean of the motion (of
+soles: while they are flat on the ground) counts as ours at rest.
 """
 
 import numpy as np

@@ -110,8 +110,8 @@ def _uneven(imported: ImportedClip) -> np.ndarray:
 
 
 def foot_slide_cm(clip: Clip, baked: BakedBody) -> float | None:
-    """The most that a standing foot's lowest vertex moves along the ground from one frame to the next [cm]; None where no
-    foot stands for two frames."""
+    """The most that a standing foot's lowest vertex moves along the ground from one frame to the next [cm]; None where
+    no foot stands for two frames."""
     slides: list[float] = []
     for k, foot in enumerate(_feet(clip, baked)):
         lowest = foot[:-1, :, 2].argmin(axis=1)
@@ -136,7 +136,8 @@ def _feet(clip: Clip, baked: BakedBody) -> Iterator[np.ndarray]:
 
 
 def arms_inside(clip: Clip, baked: BakedBody) -> float:
-    """Share of frames in which a vertex of a fore-arm or hand is more than 2 cm inside the rest of the body, from 0 to 1.
+    """Share of frames in which a vertex of a fore-arm or hand is more than 2 cm inside the rest of the body, from 0 to
+    1.
 
     Of at most 60 frames, evenly spread. Upper arms don't count as the rest of the body: they hang on to the fore-arms.
     """

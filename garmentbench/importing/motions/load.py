@@ -60,8 +60,8 @@ class ImportedClip:
 def import_clip(path: Path, baked: BakedBody, fps: float, choices: Choices = Choices()) -> ImportedClip:
     """The clip of a file (.bvh, AMASS's .npz, or a clip's .npz) on a body, at `fps` frames a second.
 
-    Raises `UserError` for a file that is none of these, cut off or malformed, and for times outside it; `UsageError` for
-    wrong names in the map.
+    Raises `UserError` for a file that is none of these, cut off or malformed, and for times outside it; `UsageError`
+    for wrong names in the map.
     """
     found = _read(path, choices.recording_fps)
     if found is None:

@@ -12,8 +12,8 @@ ROLES = ("pelvis", "chest", "neck", "head", *(f"{name}.{side}" for side in "LR" 
 OPTIONAL = ("neck", "head", "clavicle.L", "clavicle.R", "toes.L", "toes.R")
 
 _BONES = ("pelvis", "chest", "neck", "head", *SIDED)
-# What each convention calls our joints, in the order of _BONES, alternatives with |, the first that a recording has counts;
-# small letters and digits only, without the side and without what all names of a file begin with.
+# What each convention calls our joints, in the order of _BONES, alternatives with |, the first that a recording has
+# counts; small letters and digits only, without the side and without what all names of a file begin with.
 _CONVENTIONS = {
     "Mixamo": "hips spine2 neck head shoulder arm forearm hand upleg leg foot toebase|toe",
     "CMU for MotionBuilder": "hips spine1 neck head shoulder arm forearm hand upleg leg foot toebase",

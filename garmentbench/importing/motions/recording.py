@@ -49,7 +49,8 @@ class Recording:
         return replace(self, rotations=identity, root=np.zeros((1, 3)))
 
     def in_axes(self, turn: np.ndarray, unit: float = 1.0) -> "Recording":
-        """The same motion seen from other axes, which `turn`, shape (3, 3), takes the old ones to, and in another unit."""
+        """The same motion seen from other axes, which `turn`, shape (3, 3), takes the old ones to, and in another
+        unit."""
         rotations = turn @ self.rotations @ turn.T
         return replace(self, rotations=rotations, root=unit * self.root @ turn.T, offsets=unit * self.offsets @ turn.T)
 
@@ -70,7 +71,8 @@ def world(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
 
 
 def resample(recording: Recording, fps: float) -> Recording:
-    """A recording of two frames or more at another frame rate: rotations by spherical interpolation, from the first frame on.
+    """A recording of two frames or more at another frame rate: rotations by spherical interpolation, from the first
+    frame on.
 
     The last frame is kept where rounded times make it fall short by a hundredth of a frame.
 
@@ -90,8 +92,8 @@ def resample(recording: Recording, fps: float) -> Recording:
 
 
 def smooth_rotations(rotations: np.ndarray, width: float) -> np.ndarray:
-    """Rotations over time, shape (T, 3, 3), low-passed by a Gaussian of `width` frames on their quaternions; as they are
-    where the width is below half a frame."""
+    """Rotations over time, shape (T, 3, 3), low-passed by a Gaussian of `width` frames on their quaternions; as they
+    are where the width is below half a frame."""
     if width <= 0.5:
         return rotations
     quaternions = Rotation.from_matrix(rotations).as_quat()

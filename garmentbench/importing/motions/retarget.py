@@ -1,5 +1,5 @@
-"""From a recorded skeleton to our body: bone directions and twists are taken over, paths scaled by the legs' length; and
-when a foot stands on the ground, seen from how high and how fast ankle and toes are."""
+"""From a recorded skeleton to our body: bone directions and twists are taken over, paths scaled by the legs' length;
+and when a foot stands on the ground, seen from how high and how fast ankle and toes are."""
 
 import numpy as np
 from scipy.ndimage import binary_closing, binary_opening

@@ -1,4 +1,7 @@
-"""What a recorded skeleton tells by itself: which way is up, its unit, whether it is a mirror image, and rows that are no motion."""
+"""What a recorded skeleton tells by itself.
+
+Which way is up, its unit, whether it is a mirror image, and rows that are no motion.
+"""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -68,7 +71,8 @@ def bring_upright(
     start: float = 0.0,
     stop: float | None = None,
 ) -> Upright:
-    """Find out axes, size and handedness of a recording's part from `start` to `stop` [s], as if the rest did not exist.
+    """Find out axes, size and handedness of a recording's part from `start` to `stop` [s], as if the rest did not
+    exist.
 
     Raises `UserError` where the part is not inside it, no axis is up or a bone has no length.
     """
@@ -166,7 +170,8 @@ def _leg_length(positions: np.ndarray, joints: dict[str, int]) -> float:
 
 
 def _rest_rows(recording: Recording, joints: dict[str, int]) -> int:
-    """How many rows at the start show a rest pose, or the jump from it into the motion (CMU's conversions have such)."""
+    """How many rows at the start show a rest pose, or the jump from it into the motion (CMU's conversions have
+    such)."""
     _, positions = world(recording.frames(0, int(_LEAD * recording.fps) + 2))
     moving = positions[:, list(joints.values())] - positions[:, :1]
     speed = np.linalg.norm(np.diff(moving, axis=0), axis=-1).max(axis=1, initial=0) * recording.fps

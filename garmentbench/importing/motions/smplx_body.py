@@ -1,6 +1,7 @@
 """The recording's own body: AMASS poses on SMPL or SMPL-X, when the user has the `smplx` package and the model files.
 
-Both are under licences of their own (https://smpl.is.tue.mpg.de, https://smpl-x.is.tue.mpg.de), so neither comes with us.
+Both are under licences of their own (https://smpl.is.tue.mpg.de, https://smpl-x.is.tue.mpg.de), so neither comes with
+us.
 """
 
 from pathlib import Path

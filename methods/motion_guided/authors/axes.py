@@ -1,4 +1,7 @@
-"""From the coordinates of the authors' files, which say neither unit nor axes, to ours: told by their canonical body."""
+"""From the coordinates of the authors' files, which say neither unit nor axes, to ours.
+
+Told by their canonical body.
+"""
 
 from dataclasses import dataclass
 
@@ -46,8 +49,8 @@ def placement(body: np.ndarray, unit: str = "auto", axes: str = "auto") -> Place
     Args:
         body: Vertices as in the file.
         unit: "m", "cm", "mm", or "auto": the one in which the body is as tall as a person.
-        axes: Which of the file's axes are ours (x to the body's left, y to its back, z up), e.g. "x,-z,y"; or "auto": left
-            and right mirror each other, up is the longer of the other two, and toes point forward.
+        axes: Which of the file's axes are ours (x to the body's left, y to its back, z up), e.g. "x,-z,y"; or "auto":
+            left and right mirror each other, up is the longer of the other two, and toes point forward.
 
     Raises:
         UsageError: An unknown unit, or axes that are no rotation.

@@ -33,7 +33,10 @@ _HEADERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.r
 
 @dataclass(frozen=True)
 class SurfaceSamples:
-    """Points on a mesh, N of them: a label, the corners of a triangle, shape (N, 3), and their weights, shape (N, 3)."""
+    """Points on a mesh, N of them.
+
+    A label, the corners of a triangle, shape (N, 3), and their weights, shape (N, 3).
+    """
 
     labels: np.ndarray
     corners: np.ndarray
@@ -90,7 +93,10 @@ def read_vectors(path: Path) -> np.ndarray:
 
 
 def read_samples(path: Path, vertices: int) -> SurfaceSamples:
-    """`# N`, then `label i0 i1 i2 u v` a line: points (1 - u - v, u, v) on triangles of a body of so many `vertices`."""
+    """`# N`, then `label i0 i1 i2 u v` a line.
+
+    Points (1 - u - v, u, v) on triangles of a body of so many `vertices`.
+    """
     with _said_of(path, "lines of a label, three vertices and two weights"):
         numbers = _numbers(path)
         table = _table(numbers[1:], _count(numbers[0]), 6)

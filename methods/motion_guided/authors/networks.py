@@ -122,7 +122,10 @@ def _fill(module: nn.Module, theirs: State, names: dict[str, str], block: str, t
 
 
 def _turned(weight: Tensor, name: str, block: str, turn: Tensor) -> Tensor:
-    """A weight for inputs in our axes: sum_k W_k p_k = sum_l W'_l p'_l with p' = turn p, so W'_l = sum_k turn_lk W_k."""
+    """A weight for inputs in our axes.
+
+    sum_k W_k p_k = sum_l W'_l p'_l with p' = turn p, so W'_l = sum_k turn_lk W_k.
+    """
     if weight.ndim == 5:  # seeds' vectors
         return torch.einsum("onkyx,lk->onlyx", weight, turn)
     if (

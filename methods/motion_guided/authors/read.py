@@ -91,7 +91,10 @@ def read_garment(release: Release, place: Placement) -> Garment:
 
 
 def vertex_labels(rest: np.ndarray, seeds: SurfaceSamples) -> tuple[np.ndarray, tuple[str, ...]]:
-    """The part of each body vertex, shape (B,), int8, that of the nearest seed, since only seeds have labels; and names."""
+    """The part of each body vertex, shape (B,), int8, that of the nearest seed, since only seeds have labels.
+
+    And names.
+    """
     points = np.einsum("nk,nkx->nx", seeds.weights, rest[seeds.corners])
     labels = seeds.labels[nearest_vertices(rest, points)[1]]
     return labels.astype(np.int8), tuple(f"part_{k}" for k in range(int(seeds.labels.max()) + 1))

@@ -1,4 +1,5 @@
-"""The map of motions: distances by hand, what does not count, and the whole study to its plot, the same bytes every time."""
+"""The map of motions: distances by hand, what does not count, and the whole study to its plot, the same bytes every
+time."""
 
 import numpy as np
 import pytest
@@ -20,7 +21,10 @@ KEPT = ("tshirt-armspace-75", "tshirt-dance-latin", "tshirt-armspace-60", "tshir
 
 
 def test_distance_from_the_nearest_pose_by_hand():
-    """Two seeds. The first pose is one of the others; the second is 3 and 5 cm from the nearer one: 4 on average, 2 of both."""
+    """Two seeds. The first pose is one of the others; the second is 3 and 5 cm from the nearer one.
+
+    4 on average, 2 of both.
+    """
     others = np.zeros((2, 2, 3))
     others[1, :, 2] = 1.0
     points = others.copy()

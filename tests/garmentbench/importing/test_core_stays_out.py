@@ -1,4 +1,7 @@
-"""The core knows no reader of other people's files: what they read comes in as sequences, garments and clips of ours."""
+"""The core knows no reader of other people's files.
+
+What they read comes in as sequences, garments and clips of ours.
+"""
 
 from pathlib import Path
 

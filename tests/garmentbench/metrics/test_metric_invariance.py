@@ -21,7 +21,10 @@ from garmentbench.metrics.strain import strain_p95
 
 
 def scene():
-    """Predicted and reference garment, body, rest, faces, body faces: a tube that is pressed into the body in places."""
+    """Predicted and reference garment, body, rest, faces, body faces.
+
+    A tube that is pressed into the body in places.
+    """
     sequence = tiny_sequence(12)
     rng = np.random.default_rng(0)
     predicted = sequence.garment + rng.normal(scale=0.02, size=sequence.garment.shape)

@@ -1,4 +1,7 @@
-"""Bodies of any shape. Where Anny is installed, its base and slim bodies are those that are baked; the rest needs no Anny."""
+"""Bodies of any shape. Where Anny is installed, its base and slim bodies are those that are baked.
+
+The rest needs no Anny.
+"""
 
 import importlib.util
 

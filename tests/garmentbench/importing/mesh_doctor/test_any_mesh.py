@@ -1,4 +1,7 @@
-"""Whatever a mesh is like, the doctor says something about it and does not fall over; a second repair finds nothing to do."""
+"""Whatever a mesh is like, the doctor says something about it and does not fall over.
+
+A second repair finds nothing to do.
+"""
 
 import warnings
 

@@ -1,4 +1,7 @@
-"""USD written by usd-core, Alembic written by alembic3d: transforms, rates, UV, several meshes; and what damages them."""
+"""USD written by usd-core, Alembic written by alembic3d: transforms, rates, UV, several meshes.
+
+And what damages them.
+"""
 
 import numpy as np
 import pytest

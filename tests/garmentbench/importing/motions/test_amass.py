@@ -113,7 +113,10 @@ def test_advice_without_the_package_and_without_model_files(tmp_path, monkeypatc
 
 
 def test_smpl_moves_its_own_body(tmp_path):
-    """With the real package, on a model of SMPL's format whose vertices are made up: they follow `trans`, at 30 of 60 frames."""
+    """With the real package, on a model of SMPL's format whose vertices are made up.
+
+    They follow `trans`, at 30 of 60 frames.
+    """
     pytest.importorskip("smplx", reason="pip install smplx (its licence is its own) to test SMPL's own body")
     arrays = amass()
     arrays["trans"][:, 0] = np.arange(8)

@@ -52,8 +52,8 @@ def test_joints_channels_and_frames_as_worked_out_by_hand(tmp_path):
     _, positions = world(recording)
     # The channels stand Z, X, Y, and take the place of the offsets, at the hand too (its 1 becomes 5).
     np.testing.assert_allclose(positions[0], [[1, 2, 3], [1, 4, 3], [1, 9, 3], [2, 9, 3]], atol=1e-12)
-    # 90 degrees about z takes the upper arm's y to -x, which the base's 90 about y takes to z; the hand's own x likewise,
-    # after its own 90 about z.
+    # 90 degrees about z takes the upper arm's y to -x, which the base's 90 about y takes to z; the hand's own x
+    # likewise, after its own 90 about z.
     np.testing.assert_allclose(positions[1], [[1, 2, 3], [1, 4, 3], [1, 4, 8], [1, 4, 9]], atol=1e-12)
 
 

@@ -1,4 +1,7 @@
-"""BVH and AMASS as other programs write them: roots below roots, left hands, more rows, rounded times, names, faults cut off."""
+"""BVH and AMASS as other programs write them.
+
+Roots below roots, left hands, more rows, rounded times, names, faults cut off.
+"""
 
 from dataclasses import replace
 from pathlib import Path

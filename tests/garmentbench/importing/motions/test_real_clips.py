@@ -1,4 +1,7 @@
-"""Clips of CMU's database and a Rokoko capture: what is guessed of them, planted feet, and two conversions of one take."""
+"""Clips of CMU's database and a Rokoko capture.
+
+What is guessed of them, planted feet, and two conversions of one take.
+"""
 
 from functools import cache
 from pathlib import Path

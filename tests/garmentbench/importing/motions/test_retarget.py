@@ -1,4 +1,7 @@
-"""Retargeting: our own walk through a BVH file and back, whatever its unit, axes and bone frames; known poses; names."""
+"""Retargeting: our own walk through a BVH file and back, whatever its unit, axes and bone frames; known poses.
+
+Names.
+"""
 
 from pathlib import Path
 

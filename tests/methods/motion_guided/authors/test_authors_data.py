@@ -1,4 +1,7 @@
-"""The authors' released data as sequences: what was written comes back in our axes; what is wrong is said in one line."""
+"""The authors' released data as sequences: what was written comes back in our axes.
+
+What is wrong is said in one line.
+"""
 
 import shutil
 from pathlib import Path

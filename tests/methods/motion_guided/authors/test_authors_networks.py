@@ -34,8 +34,9 @@ from garmentbench.methods.motion_guided.networks import Decoder, DisplacementMLP
 from garmentbench.sequence import Body, Garment, Template
 
 AXES = {"z_up": Z_UP, "y_up": Y_UP}
-# Equality is tested in float64. In float32 two ways to compute the same differ by rounding, differently on every processor:
-# a chain of convolutions here adds up to 1,500 numbers of order 1 one after another, each rounded by at most 2^-24 of it.
+# Equality is tested in float64. In float32 two ways to compute the same differ by rounding, differently on every
+# processor: a chain of convolutions here adds up to 1,500 numbers of order 1 one after another, each rounded by at most
+# 2^-24 of it.
 EXACT, ROUNDED = 1e-10, 1500 * 2**-24
 PRECISIONS = pytest.mark.parametrize(("dtype", "tolerance"), [(torch.float32, ROUNDED), (torch.float64, EXACT)])
 
