@@ -134,6 +134,7 @@ class Evaluate:
     device: str = "auto"
 
     def run(self) -> None:
+        from garmentbench.evaluation.results import warnings
         from garmentbench.evaluation.rollout import FAILED, OK
         from garmentbench.pipeline import default_training_scene, evaluate, load_method
         from garmentbench.reference import resolve_source
@@ -149,6 +150,8 @@ class Evaluate:
         run = evaluate(trained, source, size, RunStore())
         columns = ("metric", "horizon", "value", "uncertainty", "unit", "reference_value", "status")
         print_table([{k: row.get(k) for k in columns} for row in run.results["rows"]])
+        for warning in warnings(run.results["rows"]):
+            print(f"warning: {warning}")
         print(f"{run.id}: {run.folder}")
         status, frame, message = (run.results[k] for k in ("status", "first_bad_frame", "message"))
         if status != OK:

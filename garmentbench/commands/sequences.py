@@ -36,6 +36,7 @@ class Simulate:
     device: str = "auto"
 
     def run(self) -> None:
+        from garmentbench import sequence_file
         from garmentbench.device import choose_device, one_thread, require_device
         from garmentbench.reference import check_scene, make_reference
         from garmentbench.scenes.choice import choose_scenes
@@ -56,7 +57,8 @@ class Simulate:
         workers = min(len(scenes), self.jobs or core_count())
         made = _in_parallel(scenes, size, workers) if workers > 1 else [make_reference(s, size) for s in scenes]
         for reference in made:
-            print(reference.path)
+            doubt = sequence_file.load(reference.path, frames=1).uncertainty_cm
+            print(reference.path if doubt is None else f"{reference.path}: ± {doubt:.2g} cm")
 
 
 def _in_parallel(scenes: list["Scene"], size: "Preset", workers: int) -> list["Reference"]:

@@ -9,9 +9,9 @@ from garmentbench.metrics.l2 import ROLLOUT_L2
 BELOW_UNCERTAINTY = "below the reference's uncertainty"
 UNDER_LOAD = "timed under load"
 WARNINGS = {  # what to say where a noted value is read
-    BELOW_UNCERTAINTY: "the error is below the reference's own uncertainty, where differences mean nothing: "
+    BELOW_UNCERTAINTY: "the reference itself can't be repeated as exactly, so the difference means nothing; "
     "does the method read the reference?",
-    UNDER_LOAD: "wall time is far above processor time: the machine did other work, or the method waits for something; "
+    UNDER_LOAD: "wall time is far above processor time; the machine did other work, or the method waits for something; "
     "delete the run's folder and evaluate again on an idle machine",
 }
 
@@ -71,4 +71,18 @@ class Row:
 
 
 _MEASURED = "metric horizon value unit reference_value uncertainty status first_bad_frame note".split()
+
+
+def warnings(rows: list[dict]) -> list[str]:
+    """What has to be said beside noted values, once a note; rows as `Row.measured` gives them."""
+    noted: dict[str, list[str]] = {}
+    for row in rows:
+        if row.get("note"):
+            noted.setdefault(row["note"], []).append(row["metric"])
+    return [
+        f"{', '.join(dict.fromkeys(names))}: {note}: {WARNINGS.get(note, '')}".removesuffix(": ")
+        for note, names in noted.items()
+    ]
+
+
 COLUMNS = [field.name for field in fields(Row)]

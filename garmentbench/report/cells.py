@@ -25,7 +25,8 @@ def number(value: float, whole: bool = False) -> str:
 
 
 def value_cell(value: Value | None, bold: bool = False, whole: bool = False) -> Cell:
-    """Mean ± interval; "diverged" or "failed" where there is no value; both where only some seeds have one."""
+    """Mean ± interval, and what must be known of it; "diverged" or "failed" where there is no value; both where only some
+    seeds have one."""
     if value is None:
         return Cell(ABSENT)
     ended = "; ".join(dict.fromkeys(ending.split(" at ")[0] for ending in value.endings if ending != "ok"))
@@ -34,6 +35,8 @@ def value_cell(value: Value | None, bold: bool = False, whole: bool = False) -> 
     text = number(value.mean, whole) + (f" ± {number(value.interval, whole)}" if value.interval is not None else "")
     if ended:
         return Cell(f"{text} ({len(value.endings)} of {value.seeds} {ended})", bad=True)
+    if value.notes:
+        return Cell(f"{text} ({'; '.join(value.notes)})", bad=True)
     return Cell(text, bold=bold)
 
 
@@ -52,10 +55,11 @@ def best(values: list[Value | None], name: str) -> Value | None:
 
     Beyond doubt: the two differ by more than the reference's uncertainty, their intervals over the seeds do not
     overlap, and neither comes from a single training with chance in it, of which nobody knows how far another would
-    move it. What failed in some seeds doesn't compete; where the uncertainty isn't known nothing is best.
+    move it. What failed in some seeds, or has a note, doesn't compete; where the uncertainty isn't known nothing is
+    best.
     """
     merit = {"low": lambda x: -x, "high": lambda x: x, "one": lambda x: -abs(x - 1.0)}[metric(name).best]
-    running = [v for v in values if v is not None and not v.endings]
+    running = [v for v in values if v is not None and not v.endings and not v.notes]
     if len(running) < 2 or not all(v.settled for v in running):
         return None
     first, *others = sorted(running, key=lambda v: -merit(v.mean))

@@ -38,6 +38,7 @@ class Value:
         reference: The reference's own value, or NaN.
         uncertainty: The reference's uncertainty [cm], or NaN.
         settled: Is it known how far another training would change it? Not where chance was in the only one.
+        notes: What a reader must know of it, of any seed's (see `garmentbench.evaluation.results`).
     """
 
     mean: float
@@ -47,6 +48,7 @@ class Value:
     reference: float
     uncertainty: float
     settled: bool = True
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -178,6 +180,7 @@ def _value(rows: "pandas.DataFrame", random: bool) -> Value:
         reference=float(rows.reference_value.iloc[0]),
         uncertainty=float(rows.uncertainty.iloc[0]),
         settled=len(finite) > 1 or not random,
+        notes=tuple(note for note in rows.note.unique() if note),
     )
 
 

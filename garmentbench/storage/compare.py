@@ -67,6 +67,8 @@ def _results(run: Run) -> dict[str, Any]:
     for row in rows:
         horizon = f"@{row['horizon']}" if row.get("horizon") else ""
         values[f"{row['metric']}{horizon} [{row['unit']}]"] = row["value"]
+        if row.get("note"):
+            values[f"{row['metric']}{horizon} note"] = row["note"]
     return values | {"seconds": run.times["seconds"]}
 
 

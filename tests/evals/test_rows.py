@@ -9,6 +9,7 @@ import pytest
 from garmentbench.evals.experiment import about, failed_row
 from garmentbench.evals.run import merged, with_skill, write_results
 from garmentbench.evaluation.results import COLUMNS, Row
+from garmentbench.metrics import metric
 from garmentbench.scenes.presets import PRESETS
 from garmentbench.scenes.wardrobe import load_scene
 from garmentbench.storage.jobs import Failure
@@ -25,6 +26,13 @@ def test_skill_is_measured_against_skinning_on_the_same_frames_of_any_table():
     rows = with_skill([row("skinning", 4.0), row("hold", 1.0, experiment="ablations"), row("hold", 1.0, horizon=1150)])
     skills = {(r.method, r.horizon): r.value for r in rows if r.metric == "skill"}
     assert skills == {("skinning", 50): 0.0, ("hold", 50): 0.75}
+
+
+def test_skill_in_results_is_the_metric_also_where_skinning_makes_no_error():
+    """D7: there were two formulas; one divided by zero."""
+    rows = with_skill([row("skinning", 0.0), row("hold", 1.0)])
+    assert all(math.isnan(r.value) for r in rows if r.metric == "skill")
+    assert math.isnan(metric("skill").compute(1.0, 0.0))
 
 
 def test_a_diverged_line_has_no_skill_and_stays():

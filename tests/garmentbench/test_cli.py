@@ -324,5 +324,6 @@ def test_ctrl_c_in_a_simulation_then_the_same_command(home):
     second = process(home, *command)
     out, err = second.communicate(timeout=120)
     assert second.returncode == 0, err
-    sequence = sequence_file.load(Path(out.strip()))
-    assert len(sequence) == 40 and sequence.uncertainty_cm > 0
+    path, uncertainty = out.strip().split(": ")
+    sequence = sequence_file.load(Path(path))
+    assert len(sequence) == 40 and uncertainty == f"± {sequence.uncertainty_cm:.2g} cm"

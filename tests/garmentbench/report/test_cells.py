@@ -1,9 +1,12 @@
 import math
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from garmentbench.evals.paper_numbers import paper_number
+from garmentbench.evaluation.results import BELOW_UNCERTAINTY
 from garmentbench.report.cells import best, number, value_cell
 from garmentbench.report.lines import Value, confidence_95
 from garmentbench.report.table import Cell
@@ -47,6 +50,14 @@ def test_cells_say_how_seeds_ended():
         "0.65 (1 of 3 diverged)", bad=True
     )
     assert value_cell(value(math.nan, endings=["ok"])) == Cell("–")
+
+
+def test_a_noted_value_stands_but_does_not_win():
+    """N7, N12: below the reference's uncertainty, or timed under load."""
+    noted = replace(value(0.0, uncertainty=0.2), notes=(BELOW_UNCERTAINTY,))
+    assert value_cell(noted, bold=True) == Cell("0.00 (below the reference's uncertainty)", bad=True)
+    honest = [value(0.9, uncertainty=0.2), value(0.5, uncertainty=0.2)]
+    assert best([noted, *honest], "rollout_l2") is honest[1]
 
 
 def test_the_best_is_best_by_more_than_the_uncertainty():

@@ -1,11 +1,14 @@
 """Scenes: every file in datasets/scenes, the grid they make up, and choosing among them as it is typed."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from garmentbench import sequence_file
 from garmentbench.cli import main
 from garmentbench.errors import UsageError
+from garmentbench.evaluation.toy import tiny_sequence
 from garmentbench.motion import motion_names
 from garmentbench.reference import Reference
 from garmentbench.scenes.bodies import body_names
@@ -119,7 +122,7 @@ def test_many_scenes_are_simulated_at_once_and_kept(tmp_path, monkeypatch, capsy
     monkeypatch.setattr("garmentbench.reference.make_reference", _pretend)
     monkeypatch.chdir(tmp_path)
     code, out, _ = typed(capsys, "simulate", "sheet-*", "--preset", "smoke", "--jobs", "2")
-    assert code == 0 and out.splitlines() == ["smoke/sheet-stick-a", "smoke/sheet-stick-b"]
+    assert code == 0 and out.splitlines() == [f"smoke/sheet-stick-{k}.h5: ± 0.12 cm" for k in "ab"]
     code, _, err = typed(capsys, "simulate", "tshirt-run", "sheet-stick-a", "--preset", "smoke", "--jobs", "2")
     assert (
         code == 1 and "1 of 2 failed, the first: simulate tshirt-run: ValueError: no T-shirts" in err.splitlines()[-1]
@@ -129,7 +132,10 @@ def test_many_scenes_are_simulated_at_once_and_kept(tmp_path, monkeypatch, capsy
 def _pretend(scene: Scene, preset) -> Reference:
     if scene.garment == "tshirt":
         raise ValueError("no T-shirts")
-    return Reference(scene.name, Path(preset.name, scene.name), "")
+    path = Path(preset.name, f"{scene.name}.h5")
+    path.parent.mkdir(exist_ok=True)
+    sequence_file.save(replace(tiny_sequence(), info={"uncertainty": {"cm": 0.123}}), path)
+    return Reference(scene.name, path, "")
 
 
 def test_a_scene_is_a_file_of_five_lines(tmp_path):
