@@ -108,7 +108,7 @@ def test_what_must_be_known_of_a_number_stands_beside_it(files, capsys):
     info = test.info | {"uncertainty": {"cm": 0.25}}
     sequence_file.save(replace(test, info=info), files / "test.h5")
     scenes = ("--train-scene", "one.h5", "--scene", "test.h5")
-    _, out, _ = typed(capsys, "evaluate", "foreign_methods:ReadsTheReference", *scenes, *SMALL)
+    _, out, _ = typed(capsys, "evaluate", "foreign_methods:KnowsTheAnswer", *scenes, *SMALL)
     rows = {line.split()[0]: line.split() for line in out.splitlines()}
     assert "uncertainty" in rows["metric"] and rows["rollout_l2"][2:4] == ["0", "0.25"]
     assert float(rows["strain_p95"][-2]) > 0 and rows["liveliness"][-2] == "1"

@@ -50,7 +50,7 @@ class Good:
         return last
 
 
-class ReadsTheReference(Good):
+class KnowsTheAnswer(Good):
     """Takes the answer from the disk: test.h5 in the working folder."""
 
     def output(self, frame, last):
