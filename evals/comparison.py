@@ -6,9 +6,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from garmentbench import pipeline
+from garmentbench.errors import UsageError
 from garmentbench.evals.experiment import Experiment, Work, about, failed_row, first_failure, named
 from garmentbench.evals.paper_numbers import paper_cell
 from garmentbench.evaluation.results import Row
+from garmentbench.method import Method
+from garmentbench.methods import method_names
 from garmentbench.metrics import metric
 from garmentbench.reference import make_reference
 from garmentbench.report.cells import ABSENT, best, number, status_cell, value_cell
@@ -49,12 +52,12 @@ class Entry:
     """One line of a table.
 
     Attributes:
-        method: A method's name, or "module:Class".
+        method: A method's name, "module:Class", or the class itself.
         variant: "full", or one of the method's `VARIANTS`.
         train_frames: It is trained on so many first frames of each training scene.
     """
 
-    method: str
+    method: str | type[Method]
     variant: str = "full"
     train_frames: int = TRAIN_FRAMES
 
@@ -108,6 +111,7 @@ class Comparison(Experiment):
     def work(self, preset: Preset, seeds: int) -> Work:
         train, tests = (tuple(load_scene(name) for name in names) for names in (self.train, self.tests))
         choices = {entry: pipeline.choose_method(entry.method, entry.variant, preset) for entry in self.entries}
+        self._require_names_of_their_own(choices)
         trials = [
             Trial(entry, choice, train, seed, test)
             for test in tests
@@ -121,6 +125,18 @@ class Comparison(Experiment):
             return [row for trial in trials for row in self.trial_rows(trial, preset, results)]
 
         return Work(jobs, rows)
+
+    def _require_names_of_their_own(self, choices: dict[Entry, pipeline.MethodChoice]) -> None:
+        """Raises `UsageError` where two lines of the tables would have the same name."""
+        lines = [(choices[entry].name, entry.label) for entry in self.entries]
+        for entry, choice in choices.items():
+            name = choice.name
+            if lines.count((name, entry.label)) > 1:
+                raise UsageError(f"{self.name}: two entries are called '{name}', {entry.label}; wanted different ones")
+            if name in method_names() and pipeline.load_method(name) is not choice.method:
+                raise UsageError(
+                    f"{self.name}: {entry.method} calls itself '{name}', as another method does; rename it"
+                )
 
     def trial_rows(self, trial: Trial, preset: Preset, results: dict[tuple, Any]) -> list[Row]:
         """The rows of one trial: what its run measured, or that it failed."""

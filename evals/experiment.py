@@ -39,12 +39,14 @@ class Experiment:
         table: Its name in results.csv; several experiments may share lines and a part of the report.
         title: Of its part of the report.
         on_request: It runs only when it is named; what it made stays in the report while its runs are finished.
+        seeds: Trainings of each method that has chance in it, where the user doesn't say.
     """
 
     name: str
     table: str
     title: str
     on_request: bool = False
+    seeds: int = 1
 
     def require(self) -> None:
         """Raises `UserError` where something that it needs is not installed."""

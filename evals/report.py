@@ -1,5 +1,6 @@
 """Making a report: everything in its folder but results.csv, from that file and the runs alone."""
 
+from collections.abc import Iterable
 from pathlib import Path
 
 from garmentbench.errors import UserError
@@ -16,8 +17,14 @@ from garmentbench.storage.atomic import written_whole
 FOLDERS = ("tables", "plots", "strips", "cards")  # which hold nothing but what is made here
 
 
-def make_report(name: str, reports_root: Path, runs_root: Path) -> Path:
+def make_report(name: str, reports_root: Path, runs_root: Path, own: Iterable[Experiment] = ()) -> Path:
     """Make `reports_root/<name>` anew from its results.csv and from the runs it names; the same bytes every time.
+
+    Args:
+        name: A preset, or the name of a report of the user's own experiments.
+        reports_root: The folder of all reports.
+        runs_root: The folder of all runs.
+        own: The user's own experiments; of those that are missing the tables are a comparison's.
 
     Returns:
         The page.
@@ -30,7 +37,7 @@ def make_report(name: str, reports_root: Path, runs_root: Path) -> Path:
     lines = [line for experiment in results.experiments for line in results.lines(experiment)]
     ran = [line for line in lines if line.method != REFERENCE]
     _require_runs(ran, results, _command(results, name))
-    sections = [section for shown in _shown(results.experiments) for section in shown.sections(results)]
+    sections = [section for shown in _shown(results.experiments, own) for section in shown.sections(results)]
     behind = {s.table.name: runs.runs_section(s.table.name, s.lines, results) for s in sections}
     behind = {name: section for name, section in behind.items() if section is not None}
     made: dict[str, bytes] = {runs.FILE: runs.runs_json(ran, results)} if behind else {}
@@ -44,13 +51,18 @@ def make_report(name: str, reports_root: Path, runs_root: Path) -> Path:
     return folder / "index.html"
 
 
-def _shown(tables: list[str]) -> list[Experiment]:
+def _shown(tables: list[str], own: Iterable[Experiment]) -> list[Experiment]:
     """Whom to ask for each table, in the report's order; those of a user's own experiments come first."""
-    known = {experiment.table: experiment for experiment in reversed(EXPERIMENTS.values())}
-    order = dict.fromkeys(experiment.table for experiment in EXPERIMENTS.values())
-    own = [t for t in tables if t not in known]
-    titled = [Comparison(name=t, table=t, title=t.replace("_", " "), train=(), tests=(), entries=()) for t in own]
-    return titled + [known[table] for table in order if table in tables]
+    known: dict[str, Experiment] = {}
+    for experiment in (*own, *EXPERIMENTS.values()):
+        known.setdefault(experiment.table, experiment)
+    unknown = [
+        Comparison(name=t, table=t, title=t.replace("_", " ").capitalize(), train=(), tests=(), entries=())
+        for t in tables
+        if t not in known
+    ]
+    in_order = dict.fromkeys(e.table for e in (*own, *EXPERIMENTS.values()))
+    return unknown + [known[table] for table in in_order if table in tables]
 
 
 def _title(results: Results, name: str) -> str:

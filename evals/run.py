@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,7 +10,8 @@ from garmentbench import paths
 from garmentbench.device import require_device
 from garmentbench.errors import UserError, unknown_name
 from garmentbench.evals import CARDS, EXPERIMENTS
-from garmentbench.evals.experiment import finished_rows
+from garmentbench.evals.experiment import Experiment, finished_rows
+from garmentbench.evals.own import read_experiments
 from garmentbench.evaluation.results import COLUMNS, Row
 from garmentbench.metrics.skill import SKILL, skill
 from garmentbench.report.lines import read_results
@@ -23,35 +24,68 @@ WHOLE = ("train_frames", "horizon", "first_bad_frame")  # columns of whole numbe
 LINE = ("experiment", "scene", "method", "variant", "train_scenes", "seed")  # what tells lines apart
 
 
-def run(names: list[str], preset: Preset, seeds: int, data_only: bool = False) -> None:
-    """Compute the named experiments (all but those on request, if none is named) and write `reports/<preset>/`.
+def run(names: list[str], preset: Preset, seeds: int | None = None, data_only: bool = False) -> None:
+    """Compute experiments of the suite (all but those on request, if none is named) and write `reports/<preset>/`.
 
-    Without names an experiment on request keeps its place in the report if it is finished, by this code. Raises
-    `UserError` at the end if a job failed; its line is in the tables all the same.
+    Without names an experiment on request keeps its place in the report if it is finished, by this code.
+
+    Args:
+        names: Of the experiments.
+        preset: At which size.
+        seeds: Trainings of each method that has chance in it; None: as the experiments say.
+        data_only: Only simulate the scenes.
+
+    Raises:
+        UserError: A name is wrong; or at the end, if a job failed: its line is in the tables all the same.
     """
     for name in names:
         if name not in EXPERIMENTS:
             raise unknown_name("experiment", name, list(EXPERIMENTS))
-    require_device(preset)
     chosen = [e for e in EXPERIMENTS.values() if (e.name in names if names else not e.on_request)]
-    chosen += [] if CARDS in chosen else [CARDS]  # of whatever sequences the others make
-    for experiment in chosen:
+    path = paths.reports() / preset.name / "results.csv"
+
+    def all_rows(rows: list[Row]) -> list[Row]:
+        if names:
+            return merged(path, rows, [e.table for e in chosen if e.on_request])
+        return rows + [row for e in EXPERIMENTS.values() if e not in chosen for row in finished_rows(e, preset)]
+
+    _compute(chosen, preset, seeds, data_only, path, all_rows)
+
+
+def run_file(file: Path, preset: Preset, seeds: int | None = None, data_only: bool = False) -> None:
+    """As `run`, all experiments of a user's own file; their report is `reports/<file's name>-<preset>`."""
+    own = read_experiments(file)
+    path = paths.reports() / own_report(file, preset) / "results.csv"
+    _compute(own, preset, seeds, data_only, path, list)
+
+
+def own_report(file: Path, preset: Preset) -> str:
+    """The name of the report of a user's own experiments."""
+    return f"{file.stem}-{preset.name}"
+
+
+def _compute(
+    chosen: list[Experiment],
+    preset: Preset,
+    seeds: int | None,
+    data_only: bool,
+    path: Path,
+    all_rows: Callable[[list[Row]], list[Row]],
+) -> None:
+    """Compute experiments, write their rows and what `all_rows` adds to them into the results.csv at `path`, and report."""
+    require_device(preset)
+    experiments = [*chosen, *([] if CARDS in chosen else [CARDS])]  # cards of whatever sequences the others make
+    for experiment in experiments:
         experiment.require()
-    works = [experiment.work(preset, seeds) for experiment in chosen]
+    works = [experiment.work(preset, seeds or experiment.seeds) for experiment in experiments]
     jobs = {key: job for work in works for key, job in work.jobs.items() if key[0] == "sequence" or not data_only}
     os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
     results = run_jobs(jobs, core_count())
     if not data_only:
-        rows = [row for work in works for row in work.rows(results)]
-        path = paths.reports() / preset.name / "results.csv"
-        if names:
-            rows = merged(path, rows, [e.table for e in chosen if e.on_request])
-        else:
-            rows += [row for e in EXPERIMENTS.values() if e not in chosen for row in finished_rows(e, preset)]
-        write_results(path, rows)
+        write_results(path, all_rows([row for work in works for row in work.rows(results)]))
         from garmentbench.evals.report import make_report  # matplotlib is not for the workers
 
-        page = make_report(preset.name, paths.reports(), paths.runs())
+        page = make_report(path.parent.name, paths.reports(), paths.runs(), chosen)
         print(f"report: {page}")
     failed = [r for r in results.values() if isinstance(r, Failure)]
     if failed:

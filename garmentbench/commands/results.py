@@ -1,6 +1,7 @@
 """Commands about experiments and what came of them: evals, runs, report, view."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 from tyro.conf import Positional
 
@@ -14,31 +15,44 @@ class Evals:
 
     Example: garmentbench evals baselines --preset smoke --seeds 3
     Example: garmentbench evals convergence
+    Example: garmentbench evals my_comparison.toml --preset smoke
+
+    A file of your own (TOML, or Python with EXPERIMENTS) puts any methods through any scenes; its report is
+    reports/<file's name>-<preset>:
+
+        train = ["tshirt-armspace-75"]
+        test = ["tshirt-armspace-90"]
+        entries = ["skinning", "my_module:MyMethod"]
 
     Attributes:
-        experiments: Names of experiments, or of studies of the reference, which run only when they are named: convergence,
-            crosscheck.
+        experiments: Names of experiments (convergence and crosscheck run only when they are named), or one file.
         preset: Size: smoke, laptop or paper.
-        seeds: Trainings of each method that has chance in it.
+        seeds: Trainings of each method that has chance in it (1, or as a file says).
         data_only: Only simulate the scenes.
         device: auto, cpu or cuda.
     """
 
     experiments: Positional[tuple[str, ...]] = ()
     preset: str = "laptop"
-    seeds: int = 1
+    seeds: int | None = None
     data_only: bool = False
     device: str = "auto"
 
     def run(self) -> None:
         from garmentbench.device import choose_device
-        from garmentbench.evals.run import run
+        from garmentbench.evals.own import is_file
+        from garmentbench.evals.run import run, run_file
         from garmentbench.scenes.presets import preset
 
         size = preset(self.preset)
-        if self.seeds < 1:
+        if self.seeds is not None and self.seeds < 1:
             raise UsageError(f"evals: --seeds is {self.seeds}; wanted at least 1")
         choose_device(self.device)
+        files = [name for name in self.experiments if is_file(name)]
+        if len(files) == len(self.experiments) == 1:
+            return run_file(Path(files[0]), size, self.seeds, self.data_only)
+        if files:
+            raise UsageError(f"evals: {files[0]} and others; wanted names of experiments, or one file alone")
         run(list(self.experiments), size, self.seeds, self.data_only)
 
 
@@ -82,20 +96,27 @@ class Report:
     """Make reports/<preset> again from its results.csv and the runs.
 
     Example: garmentbench report --preset smoke
+    Example: garmentbench report my_comparison.toml --preset smoke
 
     Attributes:
+        file: The report of your own experiments is made again; of the suite's if none is given.
         preset: Size: smoke, laptop or paper.
     """
 
+    file: Positional[Path | None] = None
     preset: str = "laptop"
 
     def run(self) -> None:
         from garmentbench import paths
+        from garmentbench.evals.own import read_experiments
         from garmentbench.evals.report import make_report
+        from garmentbench.evals.run import own_report
         from garmentbench.scenes.presets import preset
 
-        make_report(preset(self.preset).name, paths.reports(), paths.runs())
-        print(paths.reports() / self.preset / "index.html")
+        size = preset(self.preset)
+        own = [] if self.file is None else read_experiments(self.file)
+        name = size.name if self.file is None else own_report(self.file, size)
+        print(make_report(name, paths.reports(), paths.runs(), own))
 
 
 @dataclass(frozen=True)

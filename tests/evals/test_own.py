@@ -1,0 +1,117 @@
+"""Experiments of the user's own, from a file in any folder to tables; and one line for what is wrong with a file."""
+
+import pandas
+import pytest
+
+from garmentbench.cli import main
+from garmentbench.evals.own import read_experiments
+from garmentbench.evals.run import run_file
+from garmentbench.scenes.presets import preset
+
+METHOD = """
+from dataclasses import dataclass
+from garmentbench.methods.baselines.untrained import Untrained
+
+
+class {name}(Untrained):
+    name = "{label}"
+
+    def begin(self, template, history):
+        return history.garments[-1]
+
+    def step(self, state, body):
+        return state, state
+"""
+TOML = """
+train = ["sheet-stick-a"]
+test = ["sheet-stick-b"]
+entries = ["skinning", "still_water:StillWater"]
+"""
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A folder of the user's, which is not the home folder."""
+    folder = tmp_path / "mine"
+    folder.mkdir()
+    (folder / "still_water.py").write_text(METHOD.format(name="StillWater", label="still_water"))
+    monkeypatch.syspath_prepend(folder)  # put back after the test; read_experiments adds it by itself
+    home = tmp_path / "home"
+    home.mkdir()
+    monkeypatch.chdir(home)
+    return folder
+
+
+def test_an_own_method_gets_into_a_table_by_a_declaration(folder, capsys):
+    """Item 8, N3: the class's name is in rows and tables, and `runs` finds it."""
+    (folder / "ponds.toml").write_text(TOML)
+    assert main(["evals", str(folder / "ponds.toml"), "--preset", "smoke"]) == 0, capsys.readouterr()
+    report = folder.parent / "home" / "reports" / "ponds-smoke"
+    rows = pandas.read_csv(report / "results.csv")
+    compared = rows[rows.experiment == "ponds"]
+    assert set(compared.method) == {"skinning", "still_water"} and set(compared.status) == {"ok"}
+    assert set(compared.train_scenes) == {"sheet-stick-a"}
+    table = (report / "tables" / "ponds-sheet-stick-b.md").read_text()
+    assert "### Ponds: sheet, stick-b" in table and "\n| still water | " in table
+    assert "still_water:StillWater" in (report / "runs.json").read_text()  # in the command that makes it
+    capsys.readouterr()
+    assert main(["runs", "kind=evaluate", "method=still_water"]) == 0
+    assert capsys.readouterr().out.count("evaluate-") == 1
+    before = {path: path.read_bytes() for path in report.rglob("*") if path.is_file()}
+    assert main(["report", str(folder / "ponds.toml"), "--preset", "smoke"]) == 0
+    assert before == {path: path.read_bytes() for path in report.rglob("*") if path.is_file()}
+    run_file(folder / "ponds.toml", preset("smoke"))  # N9: repeating it changes no byte
+    assert before == {path: path.read_bytes() for path in report.rglob("*") if path.is_file()}
+
+
+def test_a_python_file_may_define_the_method_too(folder):
+    (folder / "brooks.py").write_text(
+        METHOD.format(name="Brook", label="brook")
+        + "\nfrom garmentbench.evals.comparison import Comparison, Entry\n"
+        + "EXPERIMENTS = (Comparison(name='brooks', table='brooks', title='Brooks', train=('sheet-stick-a',), "
+        + "tests=('sheet-stick-b',), entries=(Entry(Brook),)),)\n"
+    )
+    (experiment,) = read_experiments(folder / "brooks.py")
+    work = experiment.work(preset("smoke"), 1)
+    assert [job.label for job in work.jobs.values() if job.key[0] == "train"] == ["train brook full on sheet-stick-a"]
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "complaint"),
+    [
+        ("a.toml", "train = 3", "a.toml: Expected `array`, got `int` - at `$.train`"),
+        ("a.toml", "train = [", "a.toml: "),
+        ("a.toml", TOML + "colour = 1", "a.toml: Object contains unknown field `colour`"),
+        ("a.toml", TOML.replace("test", "tests"), "unknown field `tests`"),
+        ("a.toml", TOML.replace("sheet-stick-b", "sheet-stik-b"), "did you mean 'sheet-stick-b'?"),
+        ("a.toml", TOML.replace("skinning", "skining"), "did you mean 'skinning'?"),
+        ("a.toml", TOML.replace("still_water:S", "stil_water:S"), "no module named 'stil_water'"),
+        ("a.toml", TOML.replace('"skinning"', '"skinning", "skinning"'), "two entries are called 'skinning', full"),
+        ("baselines.toml", TOML, "'baselines' is an experiment of the suite's own"),
+        ("b1.py", "x = (", "b1.py:1: raised SyntaxError"),
+        ("b2.py", "\n1 / 0", "b2.py:2: raised ZeroDivisionError: division by zero"),
+        ("b3.py", "x = 1", "b3.py: has no EXPERIMENTS"),
+        ("b4.py", "EXPERIMENTS = [1]", "b4.py: 1 in EXPERIMENTS is no Experiment"),
+        ("json.py", "EXPERIMENTS = [1]", "another module is called 'json'"),
+        ("absent.toml", None, "absent.toml: no such file"),
+    ],
+)
+def test_what_is_wrong_with_a_file_is_one_line(folder, capsys, name, text, complaint):
+    if text is not None:
+        (folder / name).write_text(text)
+    assert main(["evals", str(folder / name), "--preset", "smoke"]) == 2
+    said = capsys.readouterr().err
+    assert complaint in said and said.count("\n") == 1 and "Traceback" not in said
+
+
+def test_a_method_that_takes_another_s_name_is_refused(folder, capsys):
+    (folder / "thief.py").write_text(METHOD.format(name="Thief", label="skinning"))
+    (folder / "t.toml").write_text(TOML.replace("still_water:StillWater", "thief:Thief").replace('"skinning", ', ""))
+    assert main(["evals", str(folder / "t.toml"), "--preset", "smoke"]) == 2
+    assert "thief:Thief calls itself 'skinning', as another method does" in capsys.readouterr().err
+
+
+def test_one_file_and_nothing_beside_it(folder, capsys):
+    (folder / "ponds.toml").write_text(TOML)
+    assert main(["evals", "baselines", str(folder / "ponds.toml"), "--preset", "smoke"]) == 2
+    assert "one file alone" in capsys.readouterr().err
