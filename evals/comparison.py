@@ -13,13 +13,11 @@ from garmentbench.evaluation.results import Row
 from garmentbench.method import Method
 from garmentbench.methods import method_names
 from garmentbench.metrics import metric
-from garmentbench.reference import make_reference
+from garmentbench.reference import Source, make_reference, resolve_source
 from garmentbench.report.cells import ABSENT, best, number, status_cell, value_cell
 from garmentbench.report.lines import REFERENCE, Line, Value, label, order
 from garmentbench.report.table import Cell, Table
 from garmentbench.scenes.presets import Preset
-from garmentbench.scenes.scene import Scene
-from garmentbench.scenes.wardrobe import load_scene
 from garmentbench.storage.jobs import Job
 from garmentbench.storage.runs import Run, RunStore
 
@@ -77,9 +75,9 @@ class Trial:
 
     entry: Entry
     choice: pipeline.MethodChoice
-    train: tuple[Scene, ...]
+    train: tuple[Source, ...]
     seed: int
-    test: Scene
+    test: Source
 
     @property
     def train_scenes(self) -> str:
@@ -99,8 +97,8 @@ class Comparison(Experiment):
     """Entries trained on some scenes and tested on others; a line of the table is computed once, whoever shares it.
 
     Attributes:
-        train: The training scenes.
-        tests: The test scenes, a table each.
+        train: The training scenes, or sequence files.
+        tests: The test scenes or files, a table each.
         entries: The lines.
     """
 
@@ -109,7 +107,7 @@ class Comparison(Experiment):
     entries: tuple[Entry, ...]
 
     def work(self, preset: Preset, seeds: int) -> Work:
-        train, tests = (tuple(load_scene(name) for name in names) for names in (self.train, self.tests))
+        train, tests = (tuple(resolve_source(name) for name in names) for names in (self.train, self.tests))
         choices = {entry: pipeline.choose_method(entry.method, entry.variant, preset) for entry in self.entries}
         self._require_names_of_their_own(choices)
         trials = [
@@ -189,10 +187,10 @@ def order_of_methods(line: Line) -> int:
     return known.index(line.method) if line.method in known else len(known)
 
 
-def sequence_job(scene: Scene, preset: Preset) -> Job:
-    """Simulating a scene."""
-    key = ("sequence", scene.name)
-    return Job(key, f"simulate {scene.name}", _simulate, arguments=(scene, preset), cost=0.2 * scene.frames)
+def sequence_job(source: Source, preset: Preset) -> Job:
+    """Simulating a scene, or finding a file as it is."""
+    key, cost = ("sequence", source.name), 0.2 * getattr(source, "frames", 0)
+    return Job(key, f"simulate {source.name}", _simulate, arguments=(source, preset), cost=cost)
 
 
 def _jobs(trial: Trial, trials: list[Trial], preset: Preset) -> list[Job]:
@@ -217,13 +215,13 @@ def _jobs(trial: Trial, trials: list[Trial], preset: Preset) -> list[Job]:
             _evaluate,
             (trial.trained, ("sequence", test.name)),
             (trial, preset),
-            0.1 * test.frames,
+            0.1 * getattr(test, "frames", TRAIN_FRAMES),
         ),
     ]
 
 
-def _simulate(scene: Scene, preset: Preset) -> Path:
-    return make_reference(scene, preset).path
+def _simulate(source: Source, preset: Preset) -> Path:
+    return make_reference(source, preset).path
 
 
 def _train(*inputs: Any) -> str:

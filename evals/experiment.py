@@ -5,8 +5,9 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from garmentbench.evaluation.results import Row
+from garmentbench.reference import SequenceFile, Source
+from garmentbench.report.card import read_card
 from garmentbench.scenes.presets import Preset
-from garmentbench.scenes.scene import Scene
 from garmentbench.storage.jobs import Failure, Job
 from garmentbench.storage.runs import RunStore
 
@@ -68,19 +69,15 @@ def finished_rows(experiment: Experiment, preset: Preset) -> list[Row]:
     return work.rows(dict(work.runs))
 
 
-def about(table: str, preset: Preset, scene: Scene, method: str, **columns: Any) -> Row:
+def about(table: str, preset: Preset, source: Source, method: str, **columns: Any) -> Row:
     """A row that says what it is about, and holds nothing measured yet. columns: of `Row`, e.g. the variant."""
-    return Row(
-        preset=preset.name,
-        experiment=table,
-        scene=scene.name,
-        split=scene.split,
-        garment=scene.garment,
-        motion=scene.motion.name,
-        body=scene.body,
-        method=method,
-        **{"variant": "full"} | columns,
-    )
+    if isinstance(source, SequenceFile):
+        card = read_card(source.path)
+        predicted = {key: getattr(card, key) for key in ("split", "garment", "motion", "body")}
+    else:
+        predicted = {key: getattr(source, key) for key in ("split", "garment", "body")} | {"motion": source.motion.name}
+    columns = {"variant": "full", "scene": source.name} | predicted | columns
+    return Row(preset=preset.name, experiment=table, method=method, **columns)
 
 
 def named(measured: Row | dict[str, Any], columns: Row, run: str = "") -> Row:

@@ -66,13 +66,13 @@ def _shown(tables: list[str], own: Iterable[Experiment]) -> list[Experiment]:
 
 
 def _title(results: Results, name: str) -> str:
-    preset = results.table.preset.iloc[0]
+    preset = next(filter(None, results.table.preset), "")
     return f"preset {preset}" if name == preset else f"{name}"
 
 
 def _command(results: Results, name: str) -> str:
     """What makes results.csv, its runs and the report."""
-    preset = results.table.preset.iloc[0]
+    preset = next(filter(None, results.table.preset), "")
     return f"make evals PRESET={preset}" if name == preset else f"garmentbench evals FILE --preset {preset}"
 
 

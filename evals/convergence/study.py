@@ -91,7 +91,7 @@ VARIANTS = {
 }
 
 
-def simulate_variant(scene_name: str, preset: Preset, variant: Variant) -> str:
+def simulate_variant(scene: Scene, preset: Preset, variant: Variant) -> str:
     """Simulate a scene's first frames in one way, unless that is done; the id of the run.
 
     Its folder holds the positions of the coarse mesh's vertices [m], shape (T, V, 3), as long as they are finite; its
@@ -100,23 +100,23 @@ def simulate_variant(scene_name: str, preset: Preset, variant: Variant) -> str:
     from garmentbench.device import has_cuda, quiet_warp
     from garmentbench.evals.convergence.rerun import simulate_again
 
-    with RunStore().open(CONVERGENCE, _identity(scene_name, preset, variant)) as run:
+    with RunStore().open(CONVERGENCE, _identity(scene, preset, variant)) as run:
         if not run.finished:
             quiet_warp()
-            scene = _scene(scene_name, variant)
-            positions, told = simulate_again(scene, preset, variant.refined, "cuda:0" if has_cuda() else "cpu")
+            device = "cuda:0" if has_cuda() else "cpu"
+            positions, told = simulate_again(changed(scene, variant), preset, variant.refined, device)
             with written_whole(run.folder / POSITIONS) as partial, partial.open("wb") as file:
                 np.save(file, positions)
             run.finish(told)
     return run.id
 
 
-def _identity(scene_name: str, preset: Preset, variant: Variant) -> dict:
+def _identity(scene: Scene, preset: Preset, variant: Variant) -> dict:
     from garmentbench.device import device_name
     from garmentbench.reference import reference_identity
     from garmentbench.storage.fingerprint import fingerprint
 
-    scene = _scene(scene_name, variant)
+    scene = changed(scene, variant)
     return {
         "scene": scene.name,
         "preset": preset.name,
@@ -127,23 +127,23 @@ def _identity(scene_name: str, preset: Preset, variant: Variant) -> dict:
     }
 
 
-def _scene(name: str, variant: Variant) -> Scene:
+def changed(scene: Scene, variant: Variant) -> Scene:
     """The scene's first frames, its settings changed."""
-    scene = load_scene(name)
     own = scene.simulation
-    changed = replace(
+    settings = replace(
         own, substep_factor=variant.substeps * own.substep_factor, start_noise=variant.start_noise + own.start_noise
     )
-    return replace(scene, frames=min(FRAMES, scene.frames), simulation=changed)
+    return replace(scene, frames=min(FRAMES, scene.frames), simulation=settings)
 
 
 class Convergence(Experiment):
     """One job a scene and variant; its plot and second table show the full model's error too."""
 
     def work(self, preset: Preset, seeds: int) -> Work:
-        wanted = {(CONVERGENCE, scene, v.name): (scene, v) for scene in SCENES for v in VARIANTS.values()}
+        scenes = [load_scene(name) for name in SCENES]
+        wanted = {(CONVERGENCE, scene.name, v.name): (scene, v) for scene in scenes for v in VARIANTS.values()}
         jobs = {
-            key: Job(key, f"{scene}, {v.name}", simulate_variant, (), (scene, preset, v), _cost(v))
+            key: Job(key, f"{scene.name}, {v.name}", simulate_variant, (), (scene, preset, v), _cost(v))
             for key, (scene, v) in wanted.items()
         }
         runs = {key: run_id(CONVERGENCE, _identity(scene, preset, v)) for key, (scene, v) in wanted.items()}
@@ -167,10 +167,10 @@ def _cost(variant: Variant) -> float:
     return 4.0 * variant.substeps * (8 if variant.refined else 1)
 
 
-def _variant_rows(scene_name: str, variant: Variant, preset: Preset, results: dict) -> list[Row]:
+def _variant_rows(scene: Scene, variant: Variant, preset: Preset, results: dict) -> list[Row]:
     """The rows of one run: how far it is from the one that it is compared with, and what it cost."""
-    columns = about(CONVERGENCE, preset, load_scene(scene_name), "reference", variant=variant.name)
-    made, compared = (results[CONVERGENCE, scene_name, name] for name in (variant.name, variant.compared_with))
+    columns = about(CONVERGENCE, preset, scene, "reference", variant=variant.name)
+    made, compared = (results[CONVERGENCE, scene.name, name] for name in (variant.name, variant.compared_with))
     failure = first_failure(made, compared)
     if failure:
         return [failed_row(columns, failure, "difference")]

@@ -68,18 +68,18 @@ VARIANTS = (
 )
 
 
-def compare(scene_name: str, preset: Preset, variant: Variant) -> str:
+def compare(scene: Scene, preset: Preset, variant: Variant) -> str:
     """Simulate a scene's first frames in both engines and compare them, unless that is done; the id of the run.
 
     Raises `UserError` where Newton is not installed.
     """
-    with RunStore().open(CROSSCHECK, _identity(scene_name, preset, variant)) as run:
+    with RunStore().open(CROSSCHECK, _identity(scene, preset, variant)) as run:
         if not run.finished:
-            _compare(run, scene_name, preset, variant)
+            _compare(run, scene, preset, variant)
     return run.id
 
 
-def _compare(run: Run, scene_name: str, preset: Preset, variant: Variant) -> None:
+def _compare(run: Run, whole: Scene, preset: Preset, variant: Variant) -> None:
     from garmentbench import sequence_file
     from garmentbench.device import quiet_warp
     from garmentbench.evaluation.excerpt import write_material
@@ -87,7 +87,6 @@ def _compare(run: Run, scene_name: str, preset: Preset, variant: Variant) -> Non
     from garmentbench.simulation.simulate import simulate
 
     quiet_warp()
-    whole = load_scene(scene_name)
     scene = replace(whole, frames=min(FRAMES, whole.frames))
     made = sequence_file.load(make_reference(whole, preset).path, scene.frames)
     reference = made
@@ -161,13 +160,13 @@ def _measures(garment: np.ndarray, ms: float, reference: Sequence, uncertainty: 
     return [row.measured for row in rows]
 
 
-def _identity(scene_name: str, preset: Preset, variant: Variant) -> dict:
+def _identity(scene: Scene, preset: Preset, variant: Variant) -> dict:
     return {
-        "scene": scene_name,
+        "scene": scene.name,
         "preset": preset.name,
         "variant": {"name": variant.name, "substeps": variant.substeps, "compression": variant.compression},
         "frames": FRAMES,
-        "reference": reference_identity(load_scene(scene_name), preset),
+        "reference": reference_identity(scene, preset),
     } | _code()
 
 
@@ -180,12 +179,8 @@ def _code() -> dict:
     return {"code": fingerprint("garmentbench.evals.crosscheck", "garmentbench.evaluation.excerpt"), "newton": engine}
 
 
-def _comparisons() -> list[tuple[str, Variant]]:
-    return [(scene, v) for scene in SCENES for v in VARIANTS if scene in v.scenes]
-
-
-def _key(scene: str, variant: Variant) -> tuple:
-    return (CROSSCHECK, scene, variant.name)
+def _key(scene: Scene, variant: Variant) -> tuple:
+    return (CROSSCHECK, scene.name, variant.name)
 
 
 class CrossCheck(Experiment):
@@ -195,15 +190,16 @@ class CrossCheck(Experiment):
         require_newton()
 
     def work(self, preset: Preset, seeds: int) -> Work:
-        jobs, runs = {}, {}
-        for scene, v in _comparisons():
-            key, name, plain = _key(scene, v), f"cross-check {scene}, {v.name}", _key(scene, VARIANTS[0])
+        jobs, runs, scenes = {}, {}, [load_scene(name) for name in SCENES]
+        comparisons = [(scene, v) for scene in scenes for v in VARIANTS if scene.name in v.scenes]
+        for scene, v in comparisons:
+            key, name, plain = _key(scene, v), f"cross-check {scene.name}, {v.name}", _key(scene, VARIANTS[0])
             after = (plain,) if key != plain and v.substeps == 1 else ()  # it shares the other engine's run with that
             jobs[key] = Job(key, name, compare, (), (scene, preset, v), 60.0 * v.substeps, after)
             runs[key] = run_id(CROSSCHECK, _identity(scene, preset, v))
 
         def rows(results: dict) -> list[Row]:
-            return [row for scene, v in _comparisons() for row in _variant_rows(scene, v, preset, results)]
+            return [row for scene, v in comparisons for row in _variant_rows(scene, v, preset, results)]
 
         return Work(jobs, rows, runs)
 
@@ -224,9 +220,9 @@ class CrossCheck(Experiment):
         return [Section(crosscheck_table(lines), pictures, lines=lines)]
 
 
-def _variant_rows(scene: str, variant: Variant, preset: Preset, results: dict) -> list[Row]:
+def _variant_rows(scene: Scene, variant: Variant, preset: Preset, results: dict) -> list[Row]:
     """The rows of one comparison, and how well the strips agree [%]."""
-    columns = about(CROSSCHECK, preset, load_scene(scene), ENGINE, variant=variant.name)
+    columns = about(CROSSCHECK, preset, scene, ENGINE, variant=variant.name)
     result = results[_key(scene, variant)]
     if isinstance(result, Failure):
         return [failed_row(columns, result, "difference")]

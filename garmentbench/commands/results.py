@@ -27,6 +27,8 @@ class Evals:
     Attributes:
         experiments: Names of experiments (convergence and crosscheck run only when they are named), or one file.
         preset: Size: smoke, laptop or paper.
+        mesh: Another size of garment and body than the preset's.
+        model: Another size of the methods' networks than the preset's.
         seeds: Trainings of each method that has chance in it (1, or as a file says).
         data_only: Only simulate the scenes.
         device: auto, cpu or cuda.
@@ -34,6 +36,8 @@ class Evals:
 
     experiments: Positional[tuple[str, ...]] = ()
     preset: str = "laptop"
+    mesh: str | None = None
+    model: str | None = None
     seeds: int | None = None
     data_only: bool = False
     device: str = "auto"
@@ -44,7 +48,7 @@ class Evals:
         from garmentbench.evals.run import run, run_file
         from garmentbench.scenes.presets import preset
 
-        size = preset(self.preset)
+        size = preset(self.preset, self.mesh, self.model)
         if self.seeds is not None and self.seeds < 1:
             raise UsageError(f"evals: --seeds is {self.seeds}; wanted at least 1")
         choose_device(self.device)
@@ -101,10 +105,14 @@ class Report:
     Attributes:
         file: The report of your own experiments is made again; of the suite's if none is given.
         preset: Size: smoke, laptop or paper.
+        mesh: Another size of garment and body than the preset's.
+        model: Another size of the methods' networks than the preset's.
     """
 
     file: Positional[Path | None] = None
     preset: str = "laptop"
+    mesh: str | None = None
+    model: str | None = None
 
     def run(self) -> None:
         from garmentbench import paths
@@ -113,7 +121,7 @@ class Report:
         from garmentbench.evals.run import own_report
         from garmentbench.scenes.presets import preset
 
-        size = preset(self.preset)
+        size = preset(self.preset, self.mesh, self.model)
         own = [] if self.file is None else read_experiments(self.file)
         name = size.name if self.file is None else own_report(self.file, size)
         print(make_report(name, paths.reports(), paths.runs(), own))

@@ -1,12 +1,17 @@
 """Experiments of the user's own, from a file in any folder to tables; and one line for what is wrong with a file."""
 
+from dataclasses import replace
+
 import pandas
 import pytest
 
+from garmentbench import sequence_file
 from garmentbench.cli import main
 from garmentbench.evals.own import read_experiments
 from garmentbench.evals.run import run_file
+from garmentbench.evaluation.toy import tiny_sequence
 from garmentbench.scenes.presets import preset
+from garmentbench.storage.jobs import Failure
 
 METHOD = """
 from dataclasses import dataclass
@@ -23,7 +28,7 @@ class {name}(Untrained):
         return state, state
 """
 TOML = """
-train = ["sheet-stick-a"]
+train = ["sheet-stick-a"]  # or several
 test = ["sheet-stick-b"]
 entries = ["skinning", "still_water:StillWater"]
 """
@@ -74,6 +79,21 @@ def test_a_python_file_may_define_the_method_too(folder):
     (experiment,) = read_experiments(folder / "brooks.py")
     work = experiment.work(preset("smoke"), 1)
     assert [job.label for job in work.jobs.values() if job.key[0] == "train"] == ["train brook full on sheet-stick-a"]
+
+
+def test_several_scenes_and_finished_files_serve_too(folder):
+    info = {"scene": "far", "split": "test", "motion": "fall"}
+    sequence_file.save(replace(tiny_sequence(20), info=info), folder / "own.h5")
+    toml = TOML.replace('"sheet-stick-a"]', '"sheet-stick-a", "sheet-stick-b"]').replace(
+        '["sheet-stick-b"]', '["own.h5"]'
+    )
+    (folder / "ponds.toml").write_text(toml)
+    (experiment,) = read_experiments(folder / "ponds.toml")
+    work = experiment.work(preset("smoke"), 1)
+    failures = {key: Failure("not", "run") for key in work.jobs}
+    assert {row.train_scenes for row in work.rows(failures)} == {"sheet-stick-a+sheet-stick-b"}
+    assert {(row.scene, row.motion, row.split) for row in work.rows(failures)} == {("own", "fall", "test")}
+    assert ("sequence", "sheet-stick-b") in work.jobs and ("sequence", "own") in work.jobs
 
 
 @pytest.mark.parametrize(

@@ -145,7 +145,8 @@ def test_help_of_each_command_shows_an_example(name, capsys):
         (["runs", "method"], "'method' is no filter; wanted key=value"),
         (["runs", "kind=train", "extra=1", "--comp", "a"], "unknown option '--comp': did you mean '--compare'?"),
         (["view", "evaluate-00"], "unknown run 'evaluate-00'"),
-        (["report", "smoke"], "report: what to do with 'smoke'?"),
+        (["report", "smoke"], "smoke: no such file"),
+        (["report", "a.toml", "b"], "report: what to do with 'b'?"),
     ],
 )
 def test_a_wrong_call_gives_one_line_with_the_nearest_name_and_exit_code_2(home, capsys, arguments, complaint):

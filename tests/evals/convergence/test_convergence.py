@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from garmentbench.evals.convergence import study as convergence
-from garmentbench.evals.convergence.study import VARIANTS, distances, simulate_variant
+from garmentbench.evals.convergence.study import VARIANTS, changed, distances, simulate_variant
 from garmentbench.evals.convergence.table import CHOSEN, FINEST, observed_order
 from garmentbench.scenes.material import Settings
 from garmentbench.scenes.presets import PRESETS
@@ -41,14 +41,13 @@ def test_a_run_that_ended_early_has_no_difference():
     assert math.isnan(value) and unit == "cm"
 
 
-def test_a_scene_s_own_settings_are_multiplied_not_replaced(monkeypatch):
+def test_a_scene_s_own_settings_are_multiplied_not_replaced():
     from dataclasses import replace
 
     scene = replace(load_scene(SHEET), simulation=Settings(substep_factor=2, start_noise=0.01, queries=16))
-    monkeypatch.setattr(convergence, "load_scene", lambda name: scene)
-    finer = convergence._scene(SHEET, VARIANTS["substeps_x4"])
+    finer = changed(scene, VARIANTS["substeps_x4"])
     assert finer.simulation == Settings(substep_factor=8, start_noise=0.01, queries=16)
-    assert convergence._scene(SHEET, VARIANTS["start_1mm"]).simulation.start_noise == pytest.approx(0.011)
+    assert changed(scene, VARIANTS["start_1mm"]).simulation.start_noise == pytest.approx(0.011)
     assert finer.frames == convergence.FRAMES
 
 
@@ -72,7 +71,7 @@ def results(tmp_path_factory):
         patch.chdir(tmp_path_factory.mktemp("home"))
         patch.setattr(convergence, "SCENES", (SHEET,))
         made = {
-            ("convergence", SHEET, name): simulate_variant(SHEET, SMOKE, variant)
+            ("convergence", SHEET, name): simulate_variant(load_scene(SHEET), SMOKE, variant)
             for name, variant in VARIANTS.items()
             if name != "substeps_x4"
         }
@@ -101,7 +100,7 @@ def test_a_failed_run_keeps_its_row(results):
 
 
 def test_what_is_finished_is_reused_and_found_without_running(results):
-    again = simulate_variant(SHEET, SMOKE, VARIANTS[CHOSEN])
+    again = simulate_variant(load_scene(SHEET), SMOKE, VARIANTS[CHOSEN])
     assert again == results["convergence", SHEET, CHOSEN]
     expected = convergence.STUDY.work(SMOKE, 1).runs
     assert all(expected[key] == run for key, run in results.items() if not isinstance(run, Failure))

@@ -11,6 +11,7 @@ from garmentbench.evals.crosscheck.vbd import VbdRun
 from garmentbench.evals.experiment import finished_rows
 from garmentbench.evals.run import run
 from garmentbench.scenes.presets import PRESETS
+from garmentbench.scenes.wardrobe import load_scene
 from garmentbench.storage.jobs import Failure
 
 SMOKE = PRESETS["smoke"]
@@ -40,15 +41,15 @@ def test_comparisons_share_the_other_engine_s_run_and_are_reused(engine):
     from dataclasses import replace
 
     doubled = replace(DOUBLED, scenes=(SHEET,))
-    made = [compare(SHEET, SMOKE, v) for v in (FULL, COMPRESSION, doubled)]
+    made = [compare(load_scene(SHEET), SMOKE, v) for v in (FULL, COMPRESSION, doubled)]
     assert [v.substeps for v in engine] == [25, 50]  # once for the first two
-    assert compare(SHEET, SMOKE, FULL) == made[0] and len(engine) == 2 and len(set(made)) == 3
+    assert compare(load_scene(SHEET), SMOKE, FULL) == made[0] and len(engine) == 2 and len(set(made)) == 3
 
 
 def test_rows_have_the_distance_its_doubt_and_the_match(engine):
     assert finished_rows(STUDY, SMOKE) == []
     for variant in (FULL, COMPRESSION):
-        compare(SHEET, SMOKE, variant)
+        compare(load_scene(SHEET), SMOKE, variant)
     rows = finished_rows(STUDY, SMOKE)
     values = {(r.variant, r.metric): r for r in rows}
     plain = values["full", "difference"]
