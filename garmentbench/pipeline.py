@@ -224,7 +224,7 @@ def evaluate(trained: Run, source: Source, preset: Preset, store: RunStore) -> R
     Raises:
         UserError: The training is not finished, or it was done on another garment.
     """
-    from garmentbench.evaluation.excerpt import write_material
+    from garmentbench.evaluation.excerpt import write_excerpt
     from garmentbench.evaluation.rollout import OK
     from garmentbench.evaluation.score import score
     from garmentbench.viewing.recording import write_recording
@@ -252,7 +252,7 @@ def evaluate(trained: Run, source: Source, preset: Preset, store: RunStore) -> R
                 learnt = method.load(trained.folder / "method")
             roll, one = _predict(learnt, sequence, run)
             roll.save(run.folder / "rollout.h5")
-            write_material(run.folder, sequence, roll)
+            write_excerpt(run.folder, sequence, roll)
             write_recording(run.folder / "recording.rrd", sequence, roll, f"{method.name} on {reference.name}")
             bad = one if roll.status == OK else roll
             ending = {"status": bad.status, "first_bad_frame": bad.first_bad_frame, "message": bad.message}

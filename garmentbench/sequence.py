@@ -3,6 +3,7 @@
 What it holds is written here; how it lies in a file is `sequence_file`'s matter.
 """
 
+import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -153,4 +154,5 @@ class Sequence:
     @property
     def uncertainty_cm(self) -> float | None:
         """The reference's own uncertainty [cm], or None where it is not known."""
-        return self.info.get("uncertainty", {}).get("cm")
+        cm = self.info.get("uncertainty", {}).get("cm")
+        return None if cm is None or math.isnan(cm) else cm

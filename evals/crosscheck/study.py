@@ -82,7 +82,7 @@ def compare(scene: Scene, preset: Preset, variant: Variant) -> str:
 def _compare(run: Run, whole: Scene, preset: Preset, variant: Variant) -> None:
     from garmentbench import sequence_file
     from garmentbench.device import quiet_warp
-    from garmentbench.evaluation.excerpt import write_material
+    from garmentbench.evaluation.excerpt import write_excerpt
     from garmentbench.reference import make_reference
     from garmentbench.simulation.simulate import simulate
 
@@ -95,7 +95,7 @@ def _compare(run: Run, whole: Scene, preset: Preset, variant: Variant) -> None:
         reference = simulate(replace(scene, material=material), preset)
     other, matched = _other(run, scene, preset, variant.substeps)
     garment = np.load(other.folder / POSITIONS)
-    write_material(run.folder, reference, RollOut(ROLL_OUT, 0, garment, None, np.full((len(garment), 3), np.nan)))
+    write_excerpt(run.folder, reference, RollOut(ROLL_OUT, 0, garment, None, np.full((len(garment), 3), np.nan)))
     run.finish(
         {
             "rows": _measures(garment, other.results["ms_per_frame"], reference, made.uncertainty_cm),

@@ -20,7 +20,7 @@ FRAMES_DRAWN = 6
 
 
 @dataclass(frozen=True)
-class Material:
+class Excerpt:
     """A roll-out, as far as the report shows it.
 
     Attributes:
@@ -44,12 +44,12 @@ class Material:
     body_faces: np.ndarray
 
 
-def write_material(folder: Path, sequence: Sequence, roll_out: RollOut) -> None:
-    """Write a roll-out's material into its run's folder, whole or not at all. Raises `UserError` if it can't be."""
+def write_excerpt(folder: Path, sequence: Sequence, roll_out: RollOut) -> None:
+    """Write a roll-out's excerpt into its run's folder, whole or not at all. Raises `UserError` if it can't be."""
     frames = frames_drawn(roll_out.start, len(sequence))
     template = sequence.template
     nothing = np.zeros((len(frames), 0, 3), np.float32)
-    material = Material(
+    excerpt = Excerpt(
         start=np.array(roll_out.start),
         error_cm=frame_l2(roll_out.garment, sequence.garment)[roll_out.start :].astype(np.float32),
         frames=frames,
@@ -60,7 +60,7 @@ def write_material(folder: Path, sequence: Sequence, roll_out: RollOut) -> None:
         body_faces=np.zeros((0, 3), np.int32) if template.body is None else template.body.faces,
     )
     with written_whole(folder / FILE) as partial, partial.open("wb") as file:
-        np.savez_compressed(file, **vars(material))
+        np.savez_compressed(file, **vars(excerpt))
 
 
 def frames_drawn(start: int, stop: int) -> np.ndarray:
@@ -68,10 +68,10 @@ def frames_drawn(start: int, stop: int) -> np.ndarray:
     return np.unique(np.linspace(start, stop - 1, FRAMES_DRAWN + 1).round().astype(int)[1:])
 
 
-def read_material(folder: Path) -> Material:
+def read_excerpt(folder: Path) -> Excerpt:
     """Read it back, as data only. Raises `UserError` if the file is damaged."""
     try:
         with np.load(folder / FILE) as file:
-            return Material(**{name: file[name] for name in Material.__dataclass_fields__})
+            return Excerpt(**{name: file[name] for name in Excerpt.__dataclass_fields__})
     except (BadZipFile, KeyError, ValueError, EOFError) as e:
         raise UserError(f"{folder / FILE}: damaged ({e}); delete {folder} and run the same `make evals` again") from e

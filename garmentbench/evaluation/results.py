@@ -67,10 +67,20 @@ class Row:
     @property
     def measured(self) -> dict:
         """What a run keeps of it, as plain values: `Row(**measured)` is the row of an unnamed roll-out."""
-        return {name: getattr(self, name) for name in _MEASURED}
+        return {name: value for name, value in vars(self).items() if name in _MEASURED}
 
 
-_MEASURED = "metric horizon value unit reference_value uncertainty status first_bad_frame note".split()
+_MEASURED = {
+    "metric",
+    "horizon",
+    "value",
+    "unit",
+    "reference_value",
+    "uncertainty",
+    "status",
+    "first_bad_frame",
+    "note",
+}
 
 
 def warnings(rows: list[dict]) -> list[str]:

@@ -38,7 +38,7 @@ def inside_vertices(
     """
     corners = corner_matrix(body_faces, body.shape[1])
     normals = (vertex_normals(b, body_faces, corners) for b in body)
-    return np.array([plane_distances(g, b, n) < 0 for g, b, n in zip(garment, body, normals)])
+    return np.array([plane_distances(g, b, n) < 0 for g, b, n in zip(garment, body, normals, strict=True)])
 
 
 def interpenetration(

@@ -38,7 +38,7 @@ def near_displacements(
     garment: Float[np.ndarray, "frames vertices 3"], body: Float[np.ndarray, "frames body_vertices 3"]
 ) -> Float[np.ndarray, "frames-1 vertices 3"]:
     """Displacement over each frame of the body vertex nearest to each garment vertex [m], shape (T - 1, V, 3)."""
-    near = [d[nearest_vertices(g, b)[1]] for d, g, b in zip(np.diff(body, axis=0), garment[1:], body[1:])]
+    near = [d[nearest_vertices(g, b)[1]] for d, g, b in zip(np.diff(body, axis=0), garment[1:], body[1:], strict=True)]
     return np.array(near, body.dtype).reshape(-1, *garment.shape[1:])
 
 

@@ -42,7 +42,9 @@ class Motion:
         """Signed distance of every vertex to the body [m], negative inside, shape (T, V). There must be a body."""
         from garmentbench.geometry.signed_distance import signed_distances  # it brings Warp
 
-        return signed_distances(self.predicted, self.body, self.template.body.faces)
+        body, template = self.body, self.template.body
+        assert body is not None and template is not None
+        return signed_distances(self.predicted, body, template.faces)
 
     @cached_property
     def crossing(self) -> Bool[np.ndarray, "frames faces"]:

@@ -4,7 +4,8 @@ Nothing else goes in, so that the report makes the same card from results.csv as
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -134,7 +135,7 @@ def card_of(sequence: Sequence) -> Card:
         garment=template.garment.name,
         motion=motion.get("name", "") if isinstance(motion, dict) else str(motion),
         body="" if template.body is None else template.body.name,
-        numbers={name: float(value) for name, value in values.items() if value is not None},
+        numbers={name: float(value) for name, value in values.items() if value is not None and isfinite(value)},
         status=str(info.get("simulation", {}).get("status", "")),
         notes=tuple(map(str, info.get("imported", {}).get("said", ()))),
     )
@@ -144,5 +145,7 @@ def read_card(path: Path) -> Card:
     """The card of a sequence file, of which one frame is read. Raises `UserError` as `sequence_file.load`."""
     card = card_of(sequence_file.load(path, frames=1))
     with hdf5.opened(path, KIND, SCHEMA, REMAKE) as file:
-        frames = hdf5.dataset(file, "garment/frames").shape[0]
-    return Card(**{**vars(card), "scene": card.scene or path.stem, "numbers": card.numbers | {"frames": float(frames)}})
+        frames = hdf5.dataset(file, "garment/frames")
+        assert frames is not None  # `load` has read some
+        numbers = card.numbers | {"frames": float(frames.shape[0])}
+    return replace(card, scene=card.scene or path.stem, numbers=numbers)

@@ -2,6 +2,7 @@
 
 import math
 
+from garmentbench.evaluation.score import SHORT_HORIZON
 from garmentbench.method import HISTORY
 from garmentbench.report.card import COST, FACTS, NEEDS_INSIDE, SECTIONS, UNCERTAINTY, YES_NO, Card, Fact
 
@@ -79,7 +80,8 @@ def _minutes(card: Card) -> str:
     if "ms_per_frame" not in card.numbers:
         return "What it cost is not known."
     minutes = card.numbers["ms_per_frame"] * card.numbers["frames"] / 6e4
-    return f"{minutes:.2g} minutes for all frames, in one process; the two runs that measure the uncertainty are not counted."
+        f"{minutes:.2g} minutes for all frames, in one process; the two runs that measure the uncertainty are not "
+        "counted."
 
 
 def _row(card: Card, fact: Fact) -> str:
@@ -100,12 +102,8 @@ def _value(card: Card, fact: Fact) -> str:
 
 
 def _how(card: Card) -> list[str]:
-    from garmentbench.evaluation.score import (
-        SHORT_HORIZON,  # which brings Warp: not for those who only read results.csv
-    )
-
     n = card.numbers
-    frames, doubt = n["frames"], n.get("uncertainty")
+    frames, uncertainty = n["frames"], n.get("uncertainty")
     preset = f" --preset {card.preset}" if card.preset else ""
     scene = card.scene if card.status else f"{card.scene}.h5"
     train = f"garmentbench train METHOD --scene {scene}{preset}"
@@ -117,13 +115,14 @@ def _how(card: Card) -> list[str]:
         "- It is for training: an error on it is a training error."
         if card.split == "train"
         else "- It is for testing: nothing may be fitted or chosen on it.",
-        f"- A roll-out begins with the first {HISTORY} frames as they are and is free from then on; its error is reported over {horizons} frames.",
+        f"- A roll-out begins with the first {HISTORY} frames as they are and is free from then on; its error is "
+        f"reported over {horizons} frames.",
         "- A method sees the body up to the present frame only.",
     ]
     lines.append(
         "- Say that its uncertainty is unknown beside every error."
-        if doubt is None
-        else f"- Report the uncertainty beside every error: differences below {doubt:.2g} cm mean nothing."
+        if uncertainty is None
+        else f"- Report the uncertainty beside every error: differences below {uncertainty:.2g} cm mean nothing."
     )
     if n.get("has_inside") == 0:
         lines.append("- There is no human body: interpenetration is not reported.")

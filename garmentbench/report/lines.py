@@ -19,7 +19,7 @@ from garmentbench.evaluation.results import COLUMNS
 if TYPE_CHECKING:
     import pandas
 
-    from garmentbench.evaluation.excerpt import Material
+    from garmentbench.evaluation.excerpt import Excerpt
 
 NUMBERS = ("train_frames", "seed", "horizon", "value", "reference_value", "uncertainty", "first_bad_frame")
 REFERENCE = "reference"  # the method name of the reference simulation's own lines
@@ -147,11 +147,11 @@ class Results:
         path = self.runs_root / run / "run.json"
         return json.loads(path.read_text()) if path.is_file() else {}
 
-    def _excerpt(self, run: str) -> "Material":
+    def _excerpt(self, run: str) -> "Excerpt":
         """What a run's roll-out looks like. Raises `UserError` where it is damaged."""
-        from garmentbench.evaluation.excerpt import read_material
+        from garmentbench.evaluation.excerpt import read_excerpt
 
-        return read_material(self.runs_root / run)
+        return read_excerpt(self.runs_root / run)
 
 
 def read_results(path: Path) -> "pandas.DataFrame":

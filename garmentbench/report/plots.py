@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
 
-    from garmentbench.evaluation.excerpt import Material
+    from garmentbench.evaluation.excerpt import Excerpt
 
 COLOURS = {
     "skinning": "#8c8c8c",
@@ -47,7 +47,7 @@ def style(lines: list[Line]) -> dict[str, tuple[str, str]]:
     }
 
 
-def error_over_frames(lines: list[Line], excerpt: "Callable[[str], Material]") -> bytes:
+def error_over_frames(lines: list[Line], excerpt: "Callable[[str], Excerpt]") -> bytes:
     """Mean error of each frame of the roll-outs, on a logarithmic scale; a cross where one ended early."""
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(9, 3.8), layout="constrained")
@@ -64,9 +64,9 @@ def error_over_frames(lines: list[Line], excerpt: "Callable[[str], Material]") -
         return svg(figure)
 
 
-def _draw_error(axes: "Axes", material: "Material", name: str | None, colour: str) -> None:
-    error = material.error_cm[np.isfinite(material.error_cm)]
-    frames = int(material.start) + np.arange(len(error))
+def _draw_error(axes: "Axes", excerpt: "Excerpt", name: str | None, colour: str) -> None:
+    error = excerpt.error_cm[np.isfinite(excerpt.error_cm)]
+    frames = int(excerpt.start) + np.arange(len(error))
     if len(error) > 4 * SMOOTHED:
         axes.plot(frames, error, color=colour, linewidth=0.5, alpha=0.3)
         smooth = np.convolve(error, np.full(SMOOTHED, 1 / SMOOTHED), mode="valid")
@@ -74,8 +74,8 @@ def _draw_error(axes: "Axes", material: "Material", name: str | None, colour: st
         axes.plot(frames[middle], smooth, color=colour, linewidth=1.8, label=name)
     else:
         axes.plot(frames, error, color=colour, linewidth=1.6, label=name)
-    if len(error) < len(material.error_cm):
-        at = (frames[-1], error[-1]) if len(error) else (int(material.start), 1.0)
+    if len(error) < len(excerpt.error_cm):
+        at = (frames[-1], error[-1]) if len(error) else (int(excerpt.start), 1.0)
         cross = {"marker": "x", "markersize": 9, "markeredgewidth": 2.5, "linestyle": "none"}
         axes.plot(*at, color=colour, label=None if len(error) else name, **cross)
 

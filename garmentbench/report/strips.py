@@ -15,7 +15,7 @@ from garmentbench.viewing.render import CLOTH, ERROR_COLOURS, ERROR_SCALE_CM, Re
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from garmentbench.evaluation.excerpt import Material
+    from garmentbench.evaluation.excerpt import Excerpt
 
 WIDTH, HEIGHT = 170, 210  # of one picture [pixels]
 LEFT, TOP, BOTTOM = 150, 26, 62  # room for words [pixels]
@@ -26,18 +26,18 @@ STRESS_COLUMN = 3  # which of the frames drawn is shown of each stress case
 
 @dataclass(frozen=True)
 class Shot:
-    """One picture: frame number `column` of a roll-out's material.
+    """One picture: frame number `column` of a roll-out's excerpt.
 
     predicted: The method's garment, else the reference's. ending: What stands there if it had ended by then.
     """
 
-    material: "Material"
+    excerpt: "Excerpt"
     column: int
     predicted: bool = True
     ending: str = ""
 
 
-def frame_strip(lines: list[Line], excerpt: "Callable[[str], Material]") -> bytes:
+def frame_strip(lines: list[Line], excerpt: "Callable[[str], Excerpt]") -> bytes:
     """Reference and methods over time, on one scene; of each method its first seed. A JPEG. lines: with a run each."""
     first = excerpt(lines[0].run_ids[0])
     columns = range(len(first.frames))
@@ -47,7 +47,7 @@ def frame_strip(lines: list[Line], excerpt: "Callable[[str], Material]") -> byte
     return _sheet(rows, ["reference", *(line.label for line in lines)], [f"frame {f}" for f in first.frames])
 
 
-def stress_strip(cases: dict[str, list[Line]], excerpt: "Callable[[str], Material]") -> bytes:
+def stress_strip(cases: dict[str, list[Line]], excerpt: "Callable[[str], Excerpt]") -> bytes:
     """Reference and methods in every stress case, at the same point of the roll-out. A JPEG. cases: name -> lines."""
     labels = list(dict.fromkeys(line.label for lines in cases.values() for line in lines))
     rows: list[list[Shot | None]] = [[] for _ in range(1 + len(labels))]
@@ -91,23 +91,23 @@ def _sheet(rows: list[list[Shot | None]], row_titles: list[str], column_titles: 
 
 def _picture(shot: Shot) -> np.ndarray | None:
     """One picture, or None where the roll-out had ended. The view stays with the reference garment."""
-    material, k = shot.material, shot.column
-    garment = material.prediction[k] if shot.predicted else material.reference[k]
+    excerpt, k = shot.excerpt, shot.column
+    garment = excerpt.prediction[k] if shot.predicted else excerpt.reference[k]
     if not np.isfinite(garment).all():
         return None
     colour = CLOTH
     if shot.predicted:
-        colour = error_colours(100.0 * np.linalg.norm(garment - material.reference[k], axis=1))
-    meshes = [RenderMesh(garment, material.garment_faces, colour, cloth=True)]
-    if material.body.shape[1]:
-        meshes.append(RenderMesh(material.body[k], material.body_faces))
-    return render(meshes, "three-quarter", (WIDTH, HEIGHT), _focus(material, k))
+        colour = error_colours(100.0 * np.linalg.norm(garment - excerpt.reference[k], axis=1))
+    meshes = [RenderMesh(garment, excerpt.garment_faces, colour, cloth=True)]
+    if excerpt.body.shape[1]:
+        meshes.append(RenderMesh(excerpt.body[k], excerpt.body_faces))
+    return render(meshes, "three-quarter", (WIDTH, HEIGHT), _focus(excerpt, k))
 
 
-def _focus(material: "Material", k: int) -> np.ndarray:
+def _focus(excerpt: "Excerpt", k: int) -> np.ndarray:
     """A box round frame k's reference garment, of one size for all frames of the scene; shape (2, 3) [m]."""
-    centres = 0.5 * (material.reference.min(axis=1) + material.reference.max(axis=1))
-    half = 0.5 * np.ptp(material.reference, axis=1).max(axis=0) + AROUND
+    centres = 0.5 * (excerpt.reference.min(axis=1) + excerpt.reference.max(axis=1))
+    half = 0.5 * np.ptp(excerpt.reference, axis=1).max(axis=0) + AROUND
     return np.stack([centres[k] - half, centres[k] + half])
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from garmentbench.evals.data import card_rows
-from garmentbench.evaluation.excerpt import write_material
+from garmentbench.evaluation.excerpt import write_excerpt
 from garmentbench.evaluation.rollout import ROLL_OUT, RollOut
 from garmentbench.evaluation.toy import tiny_sequence
 from garmentbench.report.card import card_of
@@ -113,7 +113,7 @@ def write_run(runs: Path, sequence, name: str, error_cm: float, bad: int | None 
     status, message = (
         ("ok", "") if bad is None else ("diverged", "3 of 105 vertices are not finite, the first is vertex 7")
     )
-    write_material(
+    write_excerpt(
         folder, sequence, RollOut(ROLL_OUT, 3, garment, None, np.ones((len(sequence), 3)), status, bad, message)
     )
     learned = "full" in name or "train" in name

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from garmentbench.errors import UserError
-from garmentbench.evaluation.excerpt import FILE, frames_drawn, read_material, write_material
+from garmentbench.evaluation.excerpt import FILE, frames_drawn, read_excerpt, write_excerpt
 from garmentbench.evaluation.rollout import ROLL_OUT, RollOut
 from garmentbench.evaluation.toy import tiny_sequence
 
@@ -23,26 +23,26 @@ def test_the_frames_drawn_spread_evenly_to_the_last():
 
 def test_material_reads_back(tmp_path):
     sequence = tiny_sequence(30)
-    write_material(tmp_path, sequence, shifted(sequence))
-    material = read_material(tmp_path)
-    np.testing.assert_allclose(material.error_cm, np.full(27, 3.0), rtol=1e-4)
-    np.testing.assert_array_equal(material.reference, sequence.garment[material.frames])
-    np.testing.assert_array_equal(material.body, sequence.body[material.frames])
-    assert int(material.start) == 3 and material.frames[-1] == 29
+    write_excerpt(tmp_path, sequence, shifted(sequence))
+    excerpt = read_excerpt(tmp_path)
+    np.testing.assert_allclose(excerpt.error_cm, np.full(27, 3.0), rtol=1e-4)
+    np.testing.assert_array_equal(excerpt.reference, sequence.garment[excerpt.frames])
+    np.testing.assert_array_equal(excerpt.body, sequence.body[excerpt.frames])
+    assert int(excerpt.start) == 3 and excerpt.frames[-1] == 29
 
 
 def test_without_a_body_and_after_the_end(tmp_path):
     sequence = tiny_sequence(30, kind=None)
-    write_material(tmp_path, sequence, shifted(sequence, bad=10))
-    material = read_material(tmp_path)
-    assert material.body.shape == (6, 0, 3) and len(material.body_faces) == 0
-    assert np.isfinite(material.error_cm).sum() == 7 and np.isnan(material.prediction[-1]).all()
+    write_excerpt(tmp_path, sequence, shifted(sequence, bad=10))
+    excerpt = read_excerpt(tmp_path)
+    assert excerpt.body.shape == (6, 0, 3) and len(excerpt.body_faces) == 0
+    assert np.isfinite(excerpt.error_cm).sum() == 7 and np.isnan(excerpt.prediction[-1]).all()
 
 
 def test_a_damaged_file_is_named(tmp_path):
     sequence = tiny_sequence(10)
-    write_material(tmp_path, sequence, shifted(sequence))
+    write_excerpt(tmp_path, sequence, shifted(sequence))
     path = tmp_path / FILE
     path.write_bytes(path.read_bytes()[:200])
     with pytest.raises(UserError, match=r"report.npz: damaged .*delete"):
-        read_material(tmp_path)
+        read_excerpt(tmp_path)

@@ -176,3 +176,9 @@ def test_the_command_prints_it_or_writes_it(tmp_path, capsys):
     assert main(["card", str(tmp_path / "a.h5"), "--out", str(tmp_path / "card.md")]) == 0
     assert (tmp_path / "card.md").read_text() == printed
     assert main(["card", str(tmp_path / "none.h5")]) == 1
+
+
+def test_an_uncertainty_that_could_not_be_measured_is_unknown():
+    card = card_of(sequence(uncertainty={"cm": float("nan"), "doubling_cm": float("nan"), "frames": 40}))
+    assert "uncertainty" not in card.numbers and "Not measured: uncertainty." in flaws(card)
+    assert "unknown beside every error" in markdown(card)
