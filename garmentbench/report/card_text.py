@@ -80,8 +80,10 @@ def _minutes(card: Card) -> str:
     if "ms_per_frame" not in card.numbers:
         return "What it cost is not known."
     minutes = card.numbers["ms_per_frame"] * card.numbers["frames"] / 6e4
+    return (
         f"{minutes:.2g} minutes for all frames, in one process; the two runs that measure the uncertainty are not "
         "counted."
+    )
 
 
 def _row(card: Card, fact: Fact) -> str:
