@@ -42,7 +42,10 @@ TIME = (
     "Error of the whole roll-out against time a frame. Lower left is better; inside the shaded band, differences mean "
     "nothing."
 )
-STRIP = "Frames of the roll-outs: the reference above, below it what each method (first seed) made of it, coloured by its error."
+STRIP = (
+    "Frames of the roll-outs: the reference above, below it what each method (first seed) made of it, coloured by its "
+    "error."
+)
 
 
 @dataclass(frozen=True)
@@ -311,8 +314,8 @@ def _caption(found: list[Line]) -> str:
         else "bold: better than every other line by more than that uncertainty, with intervals that do not overlap"
     )
     return (
-        f"Scene {found[0].scene}; {interval}. Errors are mean distances to the reference, whose own uncertainty and values "
-        f"stand in the first line; {bold}."
+        f"Scene {found[0].scene}; {interval}. Errors are mean distances to the reference, whose own uncertainty and "
+        f"values stand in the first line; {bold}."
     )
 
 

@@ -86,8 +86,8 @@ def data_table(cards: list[Card], title: str = "Data") -> Table:
     return Table(
         DATA,
         title,
-        "The reference simulations behind everything above, each with a data card that says what it is, what it cost, how far it "
-        "can be relied on, what is known to be wrong with it, and how to evaluate on it.",
+        "The reference simulations behind everything above, each with a data card that says what it is, what it cost, "
+        "how far it can be relied on, what is known to be wrong with it, and how to evaluate on it.",
         ["sequence", "split", *(title for _, title, _ in _COLUMNS), "known flaws"],
         rows,
         frozenset({0, 1}),

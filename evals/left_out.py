@@ -80,7 +80,8 @@ class LeftOut(Experiment):
         table = Table(
             self.table,
             self.title,
-            "What a scene does not need is not built for it; the columns say what that saved against building it all the same.",
+            "What a scene does not need is not built for it; the columns say what that saved against building it all "
+            "the same.",
             ["scene", "left out", *(f"saved [{unit}]" for unit in UNITS.values())],
             cells,
             frozenset({0, 1}),

@@ -13,16 +13,17 @@ from garmentbench.report.lines import Line
 from garmentbench.report.table import Cell
 
 TABLE_2 = (
-    "Table 2. To quantitatively evaluate the generalization ability, we show the average percentage of garment vertices "
-    "inter-penetrating the body meshes across different testing motions [trained with walking]"
+    "Table 2. To quantitatively evaluate the generalization ability, we show the average percentage of garment "
+    "vertices inter-penetrating the body meshes across different testing motions [trained with walking]"
 )
 TABLE_3 = (
-    "Table 3. To evaluate the stability of our network, we report the L2 error when predicting long motion sequences at "
-    "test time by iterative roll-out prediction for more than a thousand frames"
+    "Table 3. To evaluate the stability of our network, we report the L2 error when predicting long motion sequences "
+    "at test time by iterative roll-out prediction for more than a thousand frames"
 )
 TABLE_4 = (
     "Table 4. To evaluate the effect of data length [...], we report the L2 error of roll-out prediction at the long "
-    "sequence of an unseen motion (armspace-90) by running the network trained with different length of the training data"
+    "sequence of an unseen motion (armspace-90) by running the network trained with different length of the training "
+    "data"
 )
 LONG, SHORT = 1150, 50  # the paper's horizons [frames]
 

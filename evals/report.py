@@ -82,8 +82,8 @@ def _require_runs(lines: list[Line], results: Results, command: str) -> None:
     missing = [run for run in named if not all((results.runs_root / run / f).is_file() for f in ("run.json", FILE))]
     if missing:
         raise UserError(
-            f"{results.runs_root}: {len(missing)} of the {len(named)} runs named in results.csv are missing, the first: "
-            f"{missing[0]}; the report stays as it is; `{command}` makes the runs and then the report"
+            f"{results.runs_root}: {len(missing)} of the {len(named)} runs named in results.csv are missing, the "
+            f"first: {missing[0]}; the report stays as it is; `{command}` makes the runs and then the report"
         )
 
 

@@ -46,7 +46,10 @@ COLUMNS = (
     "liveliness",
     "stable_frames",
 )
-LADDER = "The stress cases, each two thirds into the roll-out: the reference above, below it the methods, coloured by their error."
+LADDER = (
+    "The stress cases, each two thirds into the roll-out: the reference above, below it the methods, coloured by their "
+    "error."
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,8 +125,8 @@ def stability_table(lines: list[Line], title: str) -> Table:
     return Table(
         STABILITY.name,
         title,
-        "Each case leaves what the methods were trained on in one way: stiffer cloth, a faster or frozen body, a pushed "
-        "start, a heavier body, a scene far away and turned. The error is that of the whole roll-out.",
+        "Each case leaves what the methods were trained on in one way: stiffer cloth, a faster or frozen body, a "
+        "pushed start, a heavier body, a scene far away and turned. The error is that of the whole roll-out.",
         ["case", "method", "status", "roll-out [cm]", *(c.title for c in columns)],
         rows,
         frozenset({0, 1, 2}),

@@ -40,8 +40,8 @@ if TYPE_CHECKING:
 
 FRAMES = 90
 CAPTION = (
-    "Difference from the finest run against substeps (left) and run time (right); lines: what another start and a finer mesh "
-    "change, and a third of the full model's error. The star is the chosen setting."
+    "Difference from the finest run against substeps (left) and run time (right); lines: what another start and a "
+    "finer mesh change, and a third of the full model's error. The star is the chosen setting."
 )
 SCENES = (
     "tshirt-armspace-90",

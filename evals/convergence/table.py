@@ -125,8 +125,8 @@ def convergence_table(found: list[SceneStudy]) -> Table:
         "Convergence of the reference",
         "How far the simulated garment moves when nothing that should matter is changed, over the scene's first frames "
         "after the whole warm-up. Finer steps are compared with the finest; other starts and the finer mesh (every "
-        "triangle cut in four, compared at the vertices that both have) with the chosen setting, which is bold. Time is the "
-        "processor's, of one thread; on a CUDA device it is wall time.",
+        "triangle cut in four, compared at the vertices that both have) with the chosen setting, which is bold. Time "
+        "is the processor's, of one thread; on a CUDA device it is wall time.",
         ["scene", "run", "substeps a frame", "difference [cm]", "95th percentile [cm]", "time a frame [ms]", "status"],
         rows,
         frozenset({0, 1, 6}),
@@ -143,11 +143,12 @@ def trust_table(found: list[SceneStudy]) -> Table:
     return Table(
         TRUST,
         "Can the reference be trusted?",
-        "The uncertainty is the larger of what the finest step and a start pushed by 1 mm change. It should be at most a "
-        "third of the full model's roll-out error. What a finer mesh changes is no error of the simulation of this mesh, "
-        "but says how far the mesh stands for the cloth. Order: of the error in the step, by its fall from 1 to 4 times "
-        "the substeps; the integrator's own is 1. There is none where the differences do not fall: the step's error is then "
-        "hidden by rounding, or by folds that fall one way or the other for any reason (see the start pushed by a micrometre).",
+        "The uncertainty is the larger of what the finest step and a start pushed by 1 mm change. It should be at most "
+        "a third of the full model's roll-out error. What a finer mesh changes is no error of the simulation of this "
+        "mesh, but says how far the mesh stands for the cloth. Order: of the error in the step, by its fall from 1 to "
+        "4 times the substeps; the integrator's own is 1. There is none where the differences do not fall: the step's "
+        "error is then hidden by rounding, or by folds that fall one way or the other for any reason (see the start "
+        "pushed by a micrometre).",
         [
             "scene",
             "order",

@@ -92,7 +92,11 @@ def match(material: Material, settings: Settings, vbd: VbdSettings, edge: float)
     left = []
     for name, strip in (("membrane", hanging(edge)), ("bending", cantilever(slow, settings.gravity, edge))):
         wanted = reference_fall(strip, slow, settings)
-        vbd, ratio = fitted(name, vbd, lambda v: vbd_fall(strip, slow, settings, v) / wanted)
+
+        def ratio_of(v: VbdSettings, strip=strip, wanted=wanted) -> float:
+            return vbd_fall(strip, slow, settings, v) / wanted
+
+        vbd, ratio = fitted(name, vbd, ratio_of)
         left.append(ratio - 1)
     return Match(vbd, *left)
 

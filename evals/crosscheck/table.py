@@ -40,7 +40,8 @@ def crosscheck_table(found: list[Line]) -> Table:
         "Cross-check against Newton's VBD",
         "The same cloth on the same body in an independent engine, from the same start through the same warm-up. Its "
         "stiffness is fitted so that a hanging and a clamped strip end where the reference's do; what is left of their "
-        "difference is in the column match. Where two values stand, the first is Newton's and the second the reference's.",
+        "difference is in the column match. Where two values stand, the first is Newton's and the second the "
+        "reference's.",
         [
             "scene",
             "compared",

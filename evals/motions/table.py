@@ -37,9 +37,10 @@ def motions_table(lines: list[Line]) -> Table:
     return Table(
         MOTIONS,
         "Motions",
-        "How far the poses of each motion are from the nearest pose of a motion that methods are trained on: mean distance of "
-        "64 points on the base body, whatever its place and heading. The map shows the same poses, nearest ones side by side "
-        "(t-SNE, in the manner of figure 5 of the paper; its axes have no unit and distances between far groups no meaning).",
+        "How far the poses of each motion are from the nearest pose of a motion that methods are trained on: mean "
+        "distance of 64 points on the base body, whatever its place and heading. The map shows the same poses, nearest "
+        "ones side by side (t-SNE, in the manner of figure 5 of the paper; its axes have no unit and distances between "
+        "far groups no meaning).",
         ["motion", "split", *(f"from {name} [cm]" for name in TRAINED), "status"],
         [
             [Cell(motion_label(line.scene)), Cell(split), *map(_distance, apart), status_cell(line)]

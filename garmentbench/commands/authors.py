@@ -64,7 +64,7 @@ class ImportAuthorsModel:
     Example: garmentbench import-authors-model data_walk/walk_75 it_50000_vae64.ckp it_50000_dyn.ckp
 
     Attributes:
-        folder: The folder that holds uv_body and uv_<garment>, whose tables and seed points the checkpoints were made with.
+        folder: Holds uv_body and uv_<garment>, whose tables and seed points the checkpoints were made with.
         static: Checkpoint of the generative model (Relative_encoder, Pred_encoder, Pre_decoder, skinRadius).
         dynamic: Checkpoint of the dynamic encoder (Dynamic_ForceEncoder, Dynamic_Encoder).
         garment: Name of the garment, as in uv_<garment>; not needed where there is one.

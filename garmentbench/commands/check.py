@@ -15,17 +15,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Check:
-    """Say everything that is wrong with a garment's mesh or a sequence file, in one go; repair a mesh where that is safe.
+    """Say everything that is wrong with a garment's mesh or a sequence file; repair a mesh where that is safe.
 
     Example: garmentbench check shirt.obj --body base --fix shirt.npz --picture shirt.png
 
     Attributes:
         file: A mesh (.obj, .ply, or a garment's .npz), or a sequence (HDF5).
-        picture: Also draw it into this PNG file: a mesh on its body with all that was found in red, or frame 0 of a sequence.
+        picture: Also draw it into this PNG file: a mesh on its body, findings in red, or frame 0 of a sequence.
         body: Say where a mesh starts inside this body: a baked one (base, slim ...), a mesh, or a sequence's.
         fix: Write the garment, repaired where that is safe, to this .obj or .npz file, and check that.
         units: The mesh's unit, for --fix: m, cm or mm. Not needed where its size tells.
-        make_uv: With --fix, make a UV map by xatlas where the mesh's overlaps or folds; where it has none, a .npz gets one.
+        make_uv: With --fix, make a UV map by xatlas where the mesh's overlaps or folds; a .npz without one gets one.
         weld: With --fix, weld borders that lie this near [m]. By default a hundred-thousandth of the garment's size.
     """
 

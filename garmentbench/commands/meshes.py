@@ -14,10 +14,10 @@ class Import:
     Units, up axis and frame rate are as given, else as the files say, else inferred from the body; what was assumed is
     printed, and what stays unclear is asked for. The file that is made can be used wherever a scene's name is taken.
 
-    Arrays in npz and HDF5: positions (frames, vertices, 3), faces (n, 3) from 0, and where there are: uv (vertices, 2) or
-    (faces, 3, 2), rest (vertices, 3), pins, fps, metres_per_unit, up.
+    Arrays in npz and HDF5: positions (frames, vertices, 3), faces (n, 3) from 0, and where there are: uv (vertices, 2)
+    or (faces, 3, 2), rest (vertices, 3), pins, fps, metres_per_unit, up.
 
-    Example: garmentbench import shirt.pc2 --template shirt.obj --body body.pc2 --body-template body.obj --fps 25 --out my.h5
+    Example: garmentbench import shirt.pc2 --template shirt.obj --body body.pc2 --body-template body.obj --out my.h5
     Example: garmentbench import 'frames/shirt_*.obj' --body frames/body --units cm --up y --fps 30 --out my.h5
 
     Attributes:
@@ -78,8 +78,8 @@ class Import:
 class Export:
     """Write a sequence or a roll-out as mesh files, in metres, z up.
 
-    obj: folders garment and body with a file a frame. pc2, mdd: a cache and an OBJ template each. npz: arrays. usd: one file
-    with both meshes and their UV. Only obj rounds, to half a micrometre.
+    obj: folders garment and body with a file a frame. pc2, mdd: a cache and an OBJ template each. npz: arrays. usd: one
+    file with both meshes and their UV. Only obj rounds, to half a micrometre.
 
     Example: garmentbench export tshirt-armspace-90 --to usd --out exported
     Example: garmentbench export evaluate-1f00c0ffee12 --to pc2 --out exported

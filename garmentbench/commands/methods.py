@@ -109,7 +109,7 @@ class Evaluate:
     Example: garmentbench evaluate my_module:MyMethod --train-scene tshirt-armspace-75 --train-scene tshirt-dance-latin
 
     Attributes:
-        method: A method's name, module:Class, or the id of a training's run (train-...), which is then evaluated as it is.
+        method: A method's name, module:Class, or the id of a training's run (train-...), evaluated as it is.
         train_scene: Scene that it was, or will be, trained on, or a sequence file (.h5). Several of the same garment
             may be given, each with --train-scene. If none is: the first training scene of the garment in --scene.
         scene: Scene to evaluate on, or a sequence file (.h5).

@@ -10,7 +10,7 @@ from garmentbench.errors import UsageError, UserError
 
 @dataclass(frozen=True)
 class ImportMotion:
-    """Retarget a recorded motion (BVH, AMASS) to a body, say what was found, and write it as a clip that scenes can use.
+    """Retarget a recorded motion (BVH, AMASS) to a body, say what was found, and write it as a clip for scenes.
 
     Joint names are guessed (CMU's conversions, Mixamo, SMPL) unless --map names them. In a scene:
     [motion] with name = "clip" and file = "walk.npz".
@@ -70,7 +70,8 @@ class ImportMotion:
         for line in findings(imported, baked):
             print(line)
         if self.out is not None:
-            notes = f"{self.file.name}, {self.start:g} s to {'its end' if self.stop is None else f'{self.stop:g} s'}, on {self.body}"
+            stop = "its end" if self.stop is None else f"{self.stop:g} s"
+            notes = f"{self.file.name}, {self.start:g} s to {stop}, on {self.body}"
             save_clip(imported.clip, baked.joint_names, notes, self.out)
             print(self.out)
         if self.picture is not None:

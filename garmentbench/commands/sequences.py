@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Simulate:
-    """Simulate scenes into reference sequences, several at a time. What is there already, made by the same code, is kept.
+    """Simulate scenes into reference sequences, several at a time. Existing ones by the same code are reused.
 
     Example: garmentbench simulate tshirt-armspace-75 tshirt-armspace-90 --preset smoke
     Example: garmentbench simulate "dress-*" split=test --jobs 2

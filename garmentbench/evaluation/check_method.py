@@ -57,7 +57,9 @@ class Trace:
     def same(self, other: "Trace", frames: int | None = None) -> bool:
         """Are the outputs of both equal (the first `frames` of them)?"""
         mine, its = self.outputs[:frames], other.outputs[:frames]
-        return len(mine) == len(its) and all(np.array_equal(a, b, equal_nan=_is_float(a)) for a, b in zip(mine, its))
+        return len(mine) == len(its) and all(
+            np.array_equal(a, b, equal_nan=_is_float(a)) for a, b in zip(mine, its, strict=False)
+        )
 
 
 def _is_float(value: Any) -> bool:
@@ -239,7 +241,7 @@ def check_inputs_are_left_alone(trial: Trial) -> None:
     test, arrays = trial.sequence(1.0), []
     replay(trial.trained, test, arrays)
     bodies = [] if test.body is None else [test.body[:HISTORY], *test.body[HISTORY:]]
-    if not all(np.array_equal(a, b) for a, b in zip(arrays, [test.garment[:HISTORY], *bodies])):
+    if not all(np.array_equal(a, b) for a, b in zip(arrays, [test.garment[:HISTORY], *bodies], strict=False)):
         raise CheckFailedError("begin or step writes into the history or the body that it is given", "work on a copy")
 
 

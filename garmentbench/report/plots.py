@@ -146,6 +146,7 @@ def _floor(axes: "Axes", lines: list[Line]) -> None:
 
 
 def svg(figure: Figure) -> bytes:
+    """A figure as SVG, the same bytes every time."""
     buffer = io.BytesIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
     return buffer.getvalue()

@@ -83,7 +83,7 @@ def skeleton(bones: list[str]) -> tuple[list[str], list[int], list[int], np.ndar
             heads.append(bones.index(wanted[0]))
             parents.append(-1 if parent is None else names.index(parent.replace("*", side)))
             names.append(pattern.replace("*", side))
-    assert (joint_of_bone >= 0).all(), [b for b, j in zip(bones, joint_of_bone) if j < 0]
+    assert (joint_of_bone >= 0).all(), [b for b, j in zip(bones, joint_of_bone, strict=True) if j < 0]
     return names, parents, heads, joint_of_bone
 
 

@@ -30,7 +30,7 @@ BYSTANDERS = frozenset(
         "storage.machine",
         "storage.runs",
         "viewing",
-    )  # fmt: skip
+    )
 )
 
 

@@ -117,7 +117,7 @@ _reports: Queue  # of a worker process; set once, when it starts
 
 
 def _begin_worker(reports: Queue) -> None:
-    global _reports
+    global _reports  # noqa: PLW0603 (a pool hands its workers nothing but this call)
     _reports = reports
     _reports.cancel_join_thread()  # a worker may end though nobody has read its last report
     import torch

@@ -202,10 +202,10 @@ class RunStore:
         lock = take(folder / "lock")
         run = Run(self, kind, identity, lock)
         if run.finished:
-            run._lock = None
+            run._lock = None  # noqa: SLF001
             lock.lock.release()
         else:
-            run._begin()
+            run._begin()  # noqa: SLF001
         return run
 
     def get(self, name: str) -> Run:

@@ -40,8 +40,8 @@ def open_viewer(path: Path) -> None:
     check_recording(path)
     if not has_display():
         raise UserError(
-            f"{path}: no display to open a window on; the same command with --web shows it in a browser, or copy the file to "
-            "another machine: `pip install rerun-sdk`, `rerun recording.rrd`"
+            f"{path}: no display to open a window on; the same command with --web shows it in a browser, or copy the "
+            "file to another machine: `pip install rerun-sdk`, `rerun recording.rrd`"
         )
     subprocess.Popen([viewer_program(), str(path)], start_new_session=True)
 

@@ -34,7 +34,7 @@ class ConstantVelocity(Untrained):
         """Take the last two garments back to the canonical pose."""
         skin = self.skin_of(template)
         bodies = (None, None) if history.bodies is None else history.bodies[-2:]
-        before, last = (lift(skin.blend(b), g) for b, g in zip(bodies, history.garments[-2:]))
+        before, last = (lift(skin.blend(b), g) for b, g in zip(bodies, history.garments[-2:], strict=True))
         return State(skin, last, last - before)
 
     def step(self, state: State, body: BodyFrame) -> tuple[np.ndarray, State]:

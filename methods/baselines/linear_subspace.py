@@ -78,7 +78,7 @@ class LinearSubspace:
         """Encode the last two garments."""
         skin = self.skin_of(template)
         bodies = [None] * HISTORY if history.bodies is None else history.bodies
-        shapes = [_displacement(skin, b, g) for b, g in zip(bodies[-2:], history.garments[-2:])]
+        shapes = [_displacement(skin, b, g) for b, g in zip(bodies[-2:], history.garments[-2:], strict=True)]
         before, last = self.garment.encode(np.array(shapes))
         return State(skin, history.bodies, last, before)
 
@@ -98,7 +98,7 @@ def _recorded(sequence: Sequence, seeds: np.ndarray) -> tuple[np.ndarray, np.nda
     (T - 3, D)."""
     skin = Skin.of(sequence.template, len(seeds), seeds, upright_objects=True)
     bodies = [None] * len(sequence) if sequence.body is None else sequence.body
-    shapes = [_displacement(skin, b, g) for b, g in zip(bodies, sequence.garment)]
+    shapes = [_displacement(skin, b, g) for b, g in zip(bodies, sequence.garment, strict=True)]
     inputs = [seed_features(skin.seeds, bodies[t - HISTORY : t + 1]) for t in range(HISTORY, len(sequence))]
     return np.array(shapes), np.array(inputs)
 

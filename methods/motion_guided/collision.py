@@ -99,18 +99,18 @@ class CollisionStage:
         """Minimise L_Theta; see `resolve`."""
         for _ in range(self.options.steps):
             with torch.enable_grad():
-                map = residual.map.clone().requires_grad_()
-                offset = self._offset(map, directions)
+                values = residual.map.clone().requires_grad_()
+                offset = self._offset(values, directions)
                 depths = planes.depths(garment + offset)
                 if not depths.any():
                     break
-                (gradient,) = torch.autograd.grad(self._loss(offset, depths), map)
+                (gradient,) = torch.autograd.grad(self._loss(offset, depths), values)
             residual = residual.stepped(gradient, self.options.learning_rate, self.options.betas)
         return garment + self._offset(residual.map, directions), residual
 
-    def _offset(self, map: Tensor, directions: Tensor) -> Tensor:
+    def _offset(self, values: Tensor, directions: Tensor) -> Tensor:
         """How far each vertex is moved [m], shape (V, 3)."""
-        return (directions @ self.to_vertex(map)[0, ..., None])[..., 0]
+        return (directions @ self.to_vertex(values)[0, ..., None])[..., 0]
 
     def _loss(self, offset: Tensor, depths: Tensor) -> Tensor:
         """L_Theta."""

@@ -273,5 +273,7 @@ VARIANTS: dict[str, Callable[[Config], Config]] = {
     "no_collision": lambda full: replace(full, collision=replace(full.collision, enabled=False)),
     "linear_paths": _with_linear_paths,
 }
-"""The full model, its ablations, and what closed-form linear paths would add to it (ours, not the paper's): each changes
-the full model's configuration."""
+"""The full model, its ablations, and what closed-form linear paths would add to it (ours, not the paper's).
+
+Each changes the full model's configuration.
+"""

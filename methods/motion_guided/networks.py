@@ -1,5 +1,6 @@
 """The network blocks S, C, E, D and R (figure 3, section 6.2). Their sizes follow from the map size and one width."""
 
+import itertools
 import math
 from collections.abc import Sequence
 
@@ -40,7 +41,7 @@ class ConvStack(nn.Module):
 
     def __init__(self, widths: Sequence[int], stride: int = 1) -> None:
         super().__init__()
-        pairs = zip(widths[:-1], widths[1:], strict=True)
+        pairs = itertools.pairwise(widths)
         if stride == -2:
             layers = [nn.ConvTranspose2d(i, o, 4, stride=2, padding=1, bias=False) for i, o in pairs]
         else:

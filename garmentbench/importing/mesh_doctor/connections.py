@@ -130,8 +130,8 @@ def holes(mesh: Mesh) -> list[Finding]:
         return []
     at = listed(mesh.numbers[mesh.vertex[edges[first[small], 0]]])
     what = (
-        f"{counted(len(small), 'hole')} of less than a tenth of the cloth's size around ({counted(len(around), 'opening')} "
-        f"in all), at vertex {at}"
+        f"{counted(len(small), 'hole')} of less than a tenth of the cloth's size around "
+        f"({counted(len(around), 'opening')} in all), at vertex {at}"
     )
     problem = Problem("openings", what, "fill them unless they are meant; --fix leaves them", warning=True)
     return [Finding(problem, edges=mesh.vertex[edges[np.isin(loop, small)]])]

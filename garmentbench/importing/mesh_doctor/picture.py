@@ -39,7 +39,7 @@ def picture(mesh: Mesh, findings: list[Finding], png: Path, body: Body | None = 
         drawn.append(RenderMesh(body.rest, body.faces))
         if (focus[0] > body.rest.max(axis=0)).any() or (focus[1] < body.rest.min(axis=0)).any():  # beside it
             focus = bounds(focus, body.rest)
-    for ax, view in zip(axes, _VIEWS):
+    for ax, view in zip(axes, _VIEWS, strict=False):
         ax.imshow(render(drawn, view, _SIZE, focus))
         ax.set_axis_off()
     _draw_uv(axes[2], mesh, findings)

@@ -22,7 +22,8 @@ def not_finite(mesh: Mesh) -> list[Finding]:
     bad = np.flatnonzero(~np.isfinite(mesh.vertices).all(axis=1))
     if not len(bad):
         return []
-    what = f"{counted(len(bad), 'vertex', 'vertices')} with NaN or infinite positions, at vertex {listed(mesh.numbers[bad])}"
+    count = counted(len(bad), "vertex", "vertices")
+    what = f"{count} with NaN or infinite positions, at vertex {listed(mesh.numbers[bad])}"
     return [Finding(Problem("vertices", what, "export the mesh again; nothing else can be checked until then"))]
 
 
@@ -57,8 +58,8 @@ def degenerate(mesh: Mesh) -> list[Finding]:
     if len(thin):
         thin = thin[np.argsort(ratio[thin], kind="stable")]
         what = (
-            f"{counted(len(thin), 'sliver')} (height below {SLIVER:g} of the longest edge, {ratio[thin[0]]:.2g} the least), "
-            f"at face {listed(thin)}"
+            f"{counted(len(thin), 'sliver')} (height below {SLIVER:g} of the longest edge, {ratio[thin[0]]:.2g} the "
+            f"least), at face {listed(thin)}"
         )
         do = "remesh there: the simulator softens slivers; --fix leaves them"
         found.append(Finding(Problem("faces", what, do, warning=True), faces=thin))

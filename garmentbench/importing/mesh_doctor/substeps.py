@@ -70,7 +70,8 @@ def costly(mesh: Mesh, found: Cost | None) -> list[Finding]:
         at = ", ".join(f"{x:.3f}" for x in mesh.vertices[found.vertex])
         what = (
             f"a frame takes {found.substeps} substeps with the default material, for the sake of vertex "
-            f"{mesh.numbers[found.vertex]} at ({at}) and its like; about {found.even} if all were like the median vertex"
+            f"{mesh.numbers[found.vertex]} at ({at}) and its like; about {found.even} if all were like the median "
+            "vertex"
         )
         do = "even out the triangles there; --fix leaves them"
         findings.append(Finding(Problem("substeps", what, do, warning=True), vertices=np.array([found.vertex])))
@@ -88,8 +89,8 @@ def _short_edges(mesh: Mesh) -> list[Finding]:
     short = short[np.argsort(length[short], kind="stable")]
     at = mesh.vertex[edges[short]]
     what = (
-        f"{counted(len(short), 'edge')} shorter than a tenth of the median, the shortest {1e3 * length[short[0]]:.2g} mm of "
-        f"{1e3 * median:.3g} mm, at {listed(mesh.numbers[at])}"
+        f"{counted(len(short), 'edge')} shorter than a tenth of the median, the shortest {1e3 * length[short[0]]:.2g} "
+        f"mm of {1e3 * median:.3g} mm, at {listed(mesh.numbers[at])}"
     )
     do = "remesh there: the simulator softens what would set its time step; --fix leaves them"
     return [Finding(Problem("edges", what, do, warning=True), edges=at)]

@@ -86,12 +86,12 @@ def overlapping(mesh: Mesh) -> list[Finding]:
     between = np.unique(np.sort(chart[found.pairs], axis=1), axis=0)
     within = int((between[:, 0] == between[:, 1]).sum())
     kinds = (f"{counted(len(between) - within, 'pair')} of charts", f"within {counted(within, 'chart')}")
-    where = " and ".join(kind for kind, there in zip(kinds, (len(between) > within, within)) if there)
+    where = " and ".join(kind for kind, there in zip(kinds, (len(between) > within, within), strict=True) if there)
     at_least = "" if found.complete else "at least "
     middle = mesh.uv[mesh.faces[worst[0]]].mean(axis=0)
     what = (
-        f"{at_least}{counted(len(faces), 'face')} overlap in UV ({where}), by {at_least}{100 * share:.3g} % of the map, "
-        f"most of all faces {worst[0]} and {worst[1]} near UV {_pair(middle)}, at face {listed(faces)}"
+        f"{at_least}{counted(len(faces), 'face')} overlap in UV ({where}), by {at_least}{100 * share:.3g} % of the "
+        f"map, most of all faces {worst[0]} and {worst[1]} near UV {_pair(middle)}, at face {listed(faces)}"
     )
     problem = Problem("uv", what, "lay the charts side by side, or --fix OUT --make-uv", warning=bool(share < MUCH))
     return [Finding(problem, faces=faces, in_uv=True)]

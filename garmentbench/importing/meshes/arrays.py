@@ -87,7 +87,7 @@ def _mesh(path: Path, arrays: dict[str, np.ndarray]) -> MeshSequence:
         raise refusal(path, f"rest has {len(arrays['rest'])} vertices, positions have {vertices}", _AGAIN)
     faces = checked_faces(path, arrays["faces"].astype(np.int64), vertices)
     pins = arrays.get("pins", np.zeros(0)).astype(np.int32)
-    if pins.size and not (0 <= pins.min() and pins.max() < vertices):
+    if pins.size and not (pins.min() >= 0 and pins.max() < vertices):
         raise refusal(path, f"pins name vertices up to {pins.max()}, there are {vertices}", _AGAIN)
     rest = arrays["rest"].astype(np.float32) if "rest" in arrays else None
     return MeshSequence(
@@ -108,7 +108,7 @@ def _check(path: Path, name: str, array: np.ndarray, shape: tuple[int | None, ..
     kinds = "iu" if name in ("faces", "pins") else "f"
     if name == "pins" and array.size == 0:
         return
-    fits = array.ndim == len(shape) and all(w in (None, n) for w, n in zip(shape, array.shape))
+    fits = array.ndim == len(shape) and all(w in (None, n) for w, n in zip(shape, array.shape, strict=True))
     if not fits or array.dtype.kind not in kinds or array.size == 0:
         wanted = (
             f"{'whole numbers' if kinds == 'iu' else 'floats'} of shape ({', '.join(str(w or 'n') for w in shape)})"

@@ -72,7 +72,7 @@ def write_series(folder: Path, mesh: MeshSequence, step: Step = lambda: None) ->
     digits = max(4, len(str(len(mesh.frames))))
     paths = [folder / f"{t + 1:0{digits}d}.obj" for t in range(len(mesh.frames))]
     rest_of_it = _uv_and_faces(mesh)
-    for path, positions in zip(paths, mesh.frames):
+    for path, positions in zip(paths, mesh.frames, strict=True):
         _write(path, positions, rest_of_it)
         step()
     return paths
@@ -109,7 +109,7 @@ def _natural(path: Path) -> list[tuple[int, int, str]]:
 
 def _refuse_mixed(source: str, files: list[Path]) -> None:
     matches = [re.fullmatch(r"(.*?)(\d+)", p.stem) for p in files]
-    names = sorted({m.group(1) if m else p.stem for m, p in zip(matches, files)})
+    names = sorted({m.group(1) if m else p.stem for m, p in zip(matches, files, strict=True)})
     if len(names) > 1 or None in matches:
         found = f"files of different names ({', '.join(names[:3])} ...), wanted one numbered series"
         raise refusal(source, found, f"name one by a pattern, e.g. '{files[0].parent / names[-1]}*.obj'")

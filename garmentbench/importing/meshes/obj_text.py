@@ -72,7 +72,7 @@ class ObjText:
             return b""
         breaks = np.flatnonzero(np.diff(lines) > 1)
         begins, stops = lines[np.concatenate([[0], breaks + 1])], lines[np.concatenate([breaks, [len(lines) - 1]])]
-        spans = zip(self._starts[begins], self._ends[stops] + 1)
+        spans = zip(self._starts[begins], self._ends[stops] + 1, strict=True)
         return b"".join(self._data[a:b] for a, b in spans)
 
     def positions(self) -> np.ndarray:

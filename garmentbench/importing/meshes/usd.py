@@ -149,7 +149,7 @@ def _corner_uv(mesh: "UsdGeom.Mesh", code: "Usd.TimeCode | float", indices: np.n
         return None
     values = np.array(named[0].ComputeFlattened(code) or [], np.float32).reshape(-1, 2)
     if named[0].GetInterpolation() in (UsdGeom.Tokens.vertex, UsdGeom.Tokens.varying):
-        return values[indices] if len(indices) and 0 <= indices.min() and indices.max() < len(values) else None
+        return values[indices] if len(indices) and indices.min() >= 0 and indices.max() < len(values) else None
     return values if len(values) == len(indices) else None
 
 

@@ -86,7 +86,7 @@ def _into_unit_square(where: object, uv: np.ndarray) -> tuple[np.ndarray, tuple[
     if tiles > MOST_TILES or np.abs(low).max() > 1e6:
         found = f"its UV map spans {tiles:.3g} tiles from {low.tolist()}, wanted at most {MOST_TILES}"
         raise refusal(where, found, "scale the UV map into the unit square")
-    span = " x ".join(f"[{a:.4g}, {b:.4g}]" for a, b in zip(flat.min(axis=0), flat.max(axis=0)))
+    span = " x ".join(f"[{a:.4g}, {b:.4g}]" for a, b in zip(flat.min(axis=0), flat.max(axis=0), strict=True))
     notes = f"UV map spanned {span}: moved and scaled by 1/{max(tiles, 1):g} into the unit square"
     return np.clip((uv - low) / max(tiles, 1), 0, 1), (notes,)
 

@@ -32,8 +32,8 @@ def findings(imported: ImportedClip, baked: BakedBody) -> Iterator[str]:
     for side, never in zip(("left", "right"), ~clip.standing.any(axis=0), strict=True):
         if never:
             yield (
-                f"warning: the {side} foot never stands: right only for somebody who jumps or hops throughout; else the "
-                "recording floats, sinks or jitters (look at --picture), or its rate is wrong (--recording-fps)"
+                f"warning: the {side} foot never stands: right only for somebody who jumps or hops throughout; else "
+                "the recording floats, sinks or jitters (look at --picture), or its rate is wrong (--recording-fps)"
             )
     slide, heights = foot_slide_cm(clip, baked), foot_heights_cm(clip, baked)
     if slide is not None and heights is not None:
@@ -63,7 +63,8 @@ def arms_line(inside: float, arm_space: float) -> str:
 
 def _skeleton(imported: ImportedClip) -> Iterator[str]:
     recording, upright = imported.recording, imported.upright
-    yield f"recording: {len(recording)} frames at {recording.fps:.4g} a second, {recording.seconds:.2f} s, {len(recording.names)} joints"
+    length = f"{len(recording)} frames at {recording.fps:.4g} a second, {recording.seconds:.2f} s"
+    yield f"recording: {length}, {len(recording.names)} joints"
     yield from recording.notes
     if upright.mirrored:
         yield "handedness: toes and knees point backwards, as in left-handed axes: mirrored"
@@ -77,11 +78,13 @@ def _skeleton(imported: ImportedClip) -> Iterator[str]:
         + "; scaled by the legs"
     )
     if upright.straightened > 1:
-        yield f"elbows: bent by {upright.straightened:.0f} degrees in its T-pose; taken as straight, as on Daz's figures"
+        bent = f"{upright.straightened:.0f} degrees"
+        yield f"elbows: bent by {bent} in its T-pose; taken as straight, as on Daz's figures"
     yield from _jumps(imported)
     left, right = _uneven(imported)
     if abs(left - right) > _UNEVEN:
-        yield f"uneven: the left foot stands {100 * abs(left - right):.0f} cm {'above' if left > right else 'below'} the right one"
+        where = "above" if left > right else "below"
+        yield f"uneven: the left foot stands {100 * abs(left - right):.0f} cm {where} the right one"
     yield f"names: {imported.names.convention}"
     yield from ("  " + line for line in imported.names.lines())
 
@@ -96,8 +99,8 @@ def _jumps(imported: ImportedClip) -> Iterator[str]:
         first, last = (imported.upright.start + f / recording.fps for f in (fast[0], fast[-1]))
         joint = recording.names[joints[speed[fast[0]].argmax()]]
         yield (
-            f"jumps: {len(fast)} frames from {first:.2f} to {last:.2f} s, {joint} first, at up to {speed.max():.0f} m/s: "
-            "faults of the recording; --start and --stop cut them off, before anything else is made of it"
+            f"jumps: {len(fast)} frames from {first:.2f} to {last:.2f} s, {joint} first, at up to {speed.max():.0f} "
+            "m/s: faults of the recording; --start and --stop cut them off, before anything else is made of it"
         )
 
 

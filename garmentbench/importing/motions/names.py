@@ -25,11 +25,13 @@ _CONVENTIONS = {
     "Character Creator": "hip|pelvis spine02 necktwist01 head clavicle upperarm forearm hand thigh calf foot toebase",
     "Unreal": "pelvis spine03|spine3 neck01|neck head clavicle upperarm lowerarm hand thigh calf foot ball",
     "Unity": "hips upperchest|chest neck head shoulder upperarm lowerarm hand upperleg lowerleg foot toes|toe|toebase",
-    "Blender": "hips|pelvis|spine chest|spine003|spine02 neck|spine004 head|spine006 shoulder upperarm forearm hand thigh shin foot toe",
+    "Blender": "hips|pelvis|spine chest|spine003|spine02 neck|spine004 head|spine006 shoulder upperarm forearm hand "
+    "thigh shin foot toe",
     "Rokoko": "hips spine4|spine3|chest neck head shoulder arm forearm hand thigh shin foot toe|toebase",
     "Xsens": "pelvis|hips t8|chest neck head shoulder upperarm forearm hand upperleg lowerleg foot toe",
 }
-_CHESTS = "chest upperchest spine4 spine3 spine03 spine2 spine02 spine1 spine01 torso thorax spine"  # where a table's is not there
+# Where a table's is not there.
+_CHESTS = "chest upperchest spine4 spine3 spine03 spine2 spine02 spine1 spine01 torso thorax spine"
 _SIDES = (  # how a name says its side; the rest of it is the bone
     (re.compile(r"^(left|right)(?![a-z])[ _.:-]*(.+)$|^(left|right)(.+)$", re.IGNORECASE)),
     (re.compile(r"^(.+?)[ _.:-]*(left|right)$", re.IGNORECASE)),
@@ -112,8 +114,8 @@ def _missing(where: str, names: tuple[str, ...], joints: dict[str, str], missing
     listed = ", ".join(left[:_LISTED]) + (f" ... ({len(left)} in all)" if len(left) > _LISTED else "")
     most = f" (its names are most like those of {convention})" if joints else ""
     return (
-        f"{where}: no joint found for {', '.join(missing)}{most}; name them with --map, e.g. --map '{theirs}={missing[0]}'. "
-        f"Not yet used: {listed or 'none'}"
+        f"{where}: no joint found for {', '.join(missing)}{most}; name them with --map, e.g. --map "
+        f"'{theirs}={missing[0]}'. Not yet used: {listed or 'none'}"
     )
 
 

@@ -73,8 +73,8 @@ def _model(arrays: dict[str, np.ndarray], kind: str, models: Path, file: Path):
         import smplx
     except ModuleNotFoundError as e:
         raise UserError(
-            f"{file}: its own body needs the package smplx, which is not installed: pip install smplx, and get the model "
-            "files from https://smpl.is.tue.mpg.de; without --smplx-models the motion is retargeted to our body"
+            f"{file}: its own body needs the package smplx, which is not installed: pip install smplx, and get the "
+            "model files from https://smpl.is.tue.mpg.de; without --smplx-models the motion is retargeted to our body"
         ) from e
     gender = _gender(file)
     wanted = models / kind / f"{kind.upper()}_{gender.upper()}.{'npz' if kind == 'smplx' else 'pkl'}"
@@ -118,7 +118,7 @@ def _split(pose: np.ndarray, kind: str) -> dict[str, np.ndarray]:
             "right_hand_pose": 165,
         }
         starts = [0, *edges.values()]
-        parts = {name: pose[:, start:stop] for start, (name, stop) in zip(starts, edges.items())}
+        parts = {name: pose[:, start:stop] for start, (name, stop) in zip(starts, edges.items(), strict=True)}
         return parts | {"expression": np.zeros((len(pose), 10))}
     hands = pose[:, 66:72] if pose.shape[1] == 72 else np.zeros((len(pose), 6))  # SMPL's two hands; SMPL-H has fingers
     return {"global_orient": pose[:, :3], "body_pose": np.concatenate([pose[:, 3:66], hands], axis=1)}

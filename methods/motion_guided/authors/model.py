@@ -103,7 +103,8 @@ def _told(release: Release, place: Placement, method: MotionGuided) -> list[str]
     radii = ", ".join(f"{100 * r:.2f}" for r in method.generative.log_radii.exp().tolist())
     told = [
         f"axes: ours are the files' {place.axes}; first layers turned to them",
-        f"networks: maps of {sizes.map_size} pixels, width {sizes.width}, latent codes of {sizes.latent}, {sizes.seeds} seeds",
+        f"networks: maps of {sizes.map_size} pixels, width {sizes.width}, latent codes of {sizes.latent}, "
+        f"{sizes.seeds} seeds",
         f"kernel radii [cm]: {radii}",
     ]
     if any(release.folder.glob("body_RTVN_*")):
@@ -134,7 +135,8 @@ def _seed_difference(release: Release, place: Placement, seeds: SurfaceSeeds) ->
     ]
     return (
         f"seeds of frame {number} against the stored ones: positions within {1000 * metres:.2f} mm, normals within "
-        f"{degrees[0]:.1f} and rotations within {degrees[1]:.1f} degrees (theirs are the files' normals, ours the faces' mean)"
+        f"{degrees[0]:.1f} and rotations within {degrees[1]:.1f} degrees (theirs are the files' normals, ours the "
+        "faces' mean)"
     )
 
 

@@ -1,7 +1,7 @@
 """The data that the authors of the motion-guided model released, as one of our sequences."""
 
 import warnings
-from itertools import combinations
+from itertools import combinations, pairwise
 from pathlib import Path
 
 import numpy as np
@@ -107,7 +107,7 @@ def _common(
     both = [k for k in garment if k in body]
     if not both or both[-1] - both[0] + 1 != len(both):
         where = next(iter(garment.values())).parent
-        gap = next((k for k, after in zip(both, both[1:], strict=False) if after != k + 1), None)
+        gap = next((k for k, after in pairwise(both) if after != k + 1), None)
         found = "no frame of both garment and body" if gap is None else f"no frame {gap + 1} of both garment and body"
         raise UserError(f"{where}: {found}; wanted every frame of a motion, in {where.name} and in body_n")
     left_out = len(set(garment) ^ set(body))
@@ -133,7 +133,8 @@ def _read_frames(
             before = position
             step()
     if uneven:
-        first = f"{len(uneven)} frames, the first {uneven[0]}, have moved otherwise since the frame before than their velocity says"
+        frames = f"{len(uneven)} frames, the first {uneven[0]}"
+        first = f"{frames}, have moved otherwise since the frame before than their velocity says"
         warnings.warn(f"{first}: are frames missing?", stacklevel=2)
     return clothes, bodies
 

@@ -69,7 +69,7 @@ def open_release(folder: Path, garment: str = "") -> Release:
         raise UserError(
             f"{folder}: wanted the folders {BODY} and uv_<garment>; give the folder of the authors' data with them"
         )
-    if garment and garment not in found or not garment and len(found) > 1:
+    if (garment and garment not in found) or (not garment and len(found) > 1):
         raise UserError(f"{folder}: holds the garments {', '.join(found)}; choose one of them with --garment")
     return Release(folder, garment or found[0])
 

@@ -24,7 +24,9 @@ def test_all_triangles_and_solid_angles_say_the_same():
     faces = sequence.template.body.faces
     found = signed_distances(points, sequence.body, faces)
     triangles = sequence.body.astype(np.float64)[:, faces]
-    plain = [[plain_signed_distance(p, t) for p in ps] for ps, t in zip(points.astype(np.float64), triangles)]
+    plain = [
+        [plain_signed_distance(p, t) for p in ps] for ps, t in zip(points.astype(np.float64), triangles, strict=True)
+    ]
     assert 0.05 < np.mean(found < 0) < 0.5
     np.testing.assert_allclose(found, plain, atol=2e-6)
 

@@ -38,7 +38,7 @@ def test_weights_labels_and_uv(name, size):
     assert (baked.weights >= 0).all() and (baked.weights.max(axis=0) > 0.4).all()
     assert set(body.labels) == set(range(5))
     assert body.part_names == ("upper_body", "fore_arm", "rear_arm", "thigh", "calf")
-    assert 0 <= baked.uv.min() and baked.uv.max() <= 1 and baked.uv.shape == (len(body.rest), 2)
+    assert baked.uv.min() >= 0 and baked.uv.max() <= 1 and baked.uv.shape == (len(body.rest), 2)
     assert (baked.parents[1:] < np.arange(1, len(baked.parents))).all() and baked.parents[0] == -1
 
 

@@ -71,9 +71,13 @@ def test_no_words_choose_all():
 
 @pytest.mark.parametrize(
     ("words", "complaint"),
-    [(["x-*"], "no scene fits 'x-*'"), (["bdy=slim"], "did you mean 'body'"), (["tshirt-rn"], "did you mean 'tshirt-run'"),
-     (["garment=cape"], "no scene fits garment=cape")],
-)  # fmt: skip
+    [
+        (["x-*"], "no scene fits 'x-*'"),
+        (["bdy=slim"], "did you mean 'body'"),
+        (["tshirt-rn"], "did you mean 'tshirt-run'"),
+        (["garment=cape"], "no scene fits garment=cape"),
+    ],
+)
 def test_words_that_fit_nothing_are_told(words, complaint):
     with pytest.raises(UsageError) as error:
         choose_scenes(words)

@@ -88,8 +88,10 @@ def test_urgency_is_the_cost_of_the_longest_chain():
 def test_ctrl_c_ends_the_workers(tmp_path):
     mark = tmp_path / "pid"
     code = (
-        "from garmentbench.storage.jobs import Job, run_jobs\nfrom tests.garmentbench.storage.test_jobs import sleep_forever\n"
-        f"if __name__ == '__main__': run_jobs({{1: Job((1,), 'sleeper', sleep_forever, arguments=({str(mark)!r},))}}, 1)"
+        "from garmentbench.storage.jobs import Job, run_jobs\nfrom tests.garmentbench.storage.test_jobs import "
+        "sleep_forever\n"
+        f"if __name__ == '__main__': run_jobs({{1: Job((1,), 'sleeper', sleep_forever, arguments=({str(mark)!r},))}}, "
+        "1)"
     )
     script = tmp_path / "main.py"
     script.write_text(code)

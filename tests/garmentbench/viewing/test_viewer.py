@@ -105,7 +105,8 @@ def test_without_a_display_the_user_is_told_where_the_file_is_and_how_to_see_it(
 
 
 def test_a_browser_is_served_until_ctrl_c(recording):
-    code = f"from pathlib import Path; from garmentbench.viewing.viewer import serve_recording as s; s(Path({str(recording)!r}))"
+    code = "from pathlib import Path; from garmentbench.viewing.viewer import serve_recording; "
+    code += f"serve_recording(Path({str(recording)!r}))"
     env = os.environ | {"PYTHONPATH": str(PACKAGE.parent)}
     process = subprocess.Popen([sys.executable, "-c", code], env=env, stdout=subprocess.PIPE, text=True)
     address = process.stdout.readline().split("?")[0]

@@ -124,7 +124,7 @@ def test_the_picture_shows_the_body_too(home, capsys):
         assert typed(capsys, "good.npz", "--picture", f"{name}.png", *more_)[0] == 0
     alone, worn = (matplotlib.image.imread(home / f"{name}.png")[..., :3] for name in ("alone", "worn"))
     grey = [np.ptp(picture, axis=2) < 0.05 for picture in (alone, worn)]
-    skin = [(g & (p.mean(axis=2) < 0.9))[:, :900].sum() for g, p in zip(grey, (alone, worn))]
+    skin = [(g & (p.mean(axis=2) < 0.9))[:, :900].sum() for g, p in zip(grey, (alone, worn), strict=True)]
     assert skin[1] > skin[0] + 1000
     write_mesh(home / "beside.npz", replace(CLEAN, vertices=CLEAN.vertices + [2, 0, 0]))
     typed(capsys, "beside.npz", "--body", "ball.obj", "--picture", "beside.png")

@@ -114,7 +114,8 @@ FAULTS = {
     "flipped faces": (lambda: turned(CLEAN, [7, 500, 501]), [
         "error: winding: 3 flipped faces (run against their neighbours), at face 7, 500, 501;"]),
     "inside out": (lambda: turned(CLEAN, slice(None)), [
-        "warning: winding: the whole garment (3600 faces) inside out: its normals point towards the inside of the volume"]),
+        "warning: winding: the whole garment (3600 faces) inside out: its normals point towards the inside of the "
+        "volume"]),
     "a piece inside out": (lambda: turned(replace(CLEAN, faces=np.delete(CLEAN.faces, slice(1200, 1320), axis=0)), slice(1200)), [
         "warning: winding: 1 patch of the garment (1200 faces) inside out", "warning: pieces: 2 pieces"]),
     "one-sided": (moebius, [
@@ -151,7 +152,8 @@ FAULTS = {
     "UV for some": (lambda: with_uv(CLEAN, INNER, np.nan), ["error: uv: 6 faces without UV coordinates, at face"]),
     "UV on a line": (lambda: replace(CLEAN, uv=CLEAN.uv * [1, 0]), ["error: uv: the UV map has no area"]),
     "UV outside": (lambda: replace(CLEAN, uv=CLEAN.uv * 1.2 - [0.5, 0]), [
-        "error: uv: 967 vertices outside [0, 1] (UV reach from (-0.5, 0) to (0.58, 1.08)), at vertex 0, 1, 2, 3, 4 ...;"]),
+        "error: uv: 967 vertices outside [0, 1] (UV reach from (-0.5, 0) to (0.58, 1.08)), at vertex 0, 1, 2, 3, 4 "
+        "...;"]),
     "UV without area": (lambda: with_uv(CLEAN, at(0, 0), CLEAN.uv[[at(1, 0), at(0, 1)]].mean(axis=0)), [
         "warning: uv: 1 face without area in UV, at face 0;"]),
     "a fold in UV": (folded, [
@@ -174,7 +176,7 @@ FAULTS = {
 def test_a_fault_is_found_and_nothing_else(fault):
     make, expected = FAULTS[fault]
     lines = told(make())
-    assert len(lines) == len(expected) and all(e in line for e, line in zip(expected, lines)), lines
+    assert len(lines) == len(expected) and all(e in line for e, line in zip(expected, lines, strict=True)), lines
     assert all(line.count("\n") == 0 and "; " in line for line in lines)
 
 

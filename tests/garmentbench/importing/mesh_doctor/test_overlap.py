@@ -39,14 +39,14 @@ def plain(a: np.ndarray, b: np.ndarray) -> float:
     cross = lambda u, v: u[0] * v[1] - u[1] * v[0]  # noqa: E731
     a, b = (t if cross(t[1] - t[0], t[2] - t[0]) > 0 else t[::-1] for t in (a, b))
     polygon = list(a)
-    for start, end in zip(b, np.roll(b, -1, axis=0)):
+    for start, end in zip(b, np.roll(b, -1, axis=0), strict=True):
         left = [cross(end - start, p - start) for p in polygon]
         clipped = []
-        for i, (p, q) in enumerate(zip(polygon, polygon[1:] + polygon[:1])):
+        for i, (p, q) in enumerate(zip(polygon, polygon[1:] + polygon[:1], strict=True)):
             s, t = left[i], left[(i + 1) % len(left)]
             clipped += [p] * bool(s >= 0) + [p + s / (s - t) * (q - p)] * bool((s >= 0) != (t >= 0))
         polygon = clipped
-    return sum(cross(p, q) for p, q in zip(polygon, polygon[1:] + polygon[:1])) / 2 if polygon else 0.0
+    return sum(cross(p, q) for p, q in zip(polygon, polygon[1:] + polygon[:1], strict=True)) / 2 if polygon else 0.0
 
 
 def test_fast_equals_plain(monkeypatch):
@@ -57,7 +57,7 @@ def test_fast_equals_plain(monkeypatch):
     for chunk in (7, 1_000_000):
         monkeypatch.setattr(overlap, "_CHUNK", chunk)
         found = overlaps(triangles)
-        areas = {tuple(pair): area for pair, area in zip(found.pairs.tolist(), found.area) if area > 1e-5}
+        areas = {tuple(pair): area for pair, area in zip(found.pairs.tolist(), found.area, strict=True) if area > 1e-5}
         assert list(areas) == sorted(expected) and areas == pytest.approx(expected, rel=1e-9)
 
 

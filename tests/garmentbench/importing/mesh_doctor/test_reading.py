@@ -97,7 +97,8 @@ def ply(path, encoding: str) -> None:
 
 def ply_with_uv(path, encoding: str) -> None:
     """As Blender writes it: s and t of each vertex."""
-    header = f"ply\nformat {'ascii' if encoding == 'ascii' else 'binary_little_endian'} 1.0\nelement vertex {len(CLEAN.vertices)}\n"
+    form = "ascii" if encoding == "ascii" else "binary_little_endian"
+    header = f"ply\nformat {form} 1.0\nelement vertex {len(CLEAN.vertices)}\n"
     header += "".join(f"property float {name}\n" for name in "xyzst") + f"element face {len(CLEAN.faces)}\n"
     header += "property list uchar uint vertex_indices\nend_header\n"
     rows = np.concatenate([CLEAN.vertices, CLEAN.uv], axis=1).astype("<f4")
@@ -127,15 +128,15 @@ def test_ply_by_another_library(tmp_path, encoding):
 
 def test_ply_with_uv_at_the_corners_and_quads(tmp_path):
     (tmp_path / "a.ply").write_text(
-        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 2\n"
-        "property list uchar int vertex_indices\nproperty list uchar float texcoord\nend_header\n"
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face "
+        "2\nproperty list uchar int vertex_indices\nproperty list uchar float texcoord\nend_header\n"
         "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2 6 0 0 0.5 0 0.5 1\n3 0 2 3 6 0.6 0.1 0.5 1 0 1\n"
     )
     mesh = read_mesh(tmp_path / "a.ply")
     assert mesh.numbers.tolist() == [0, 1, 2, 3, 0] and mesh.seams.tolist() == [[0, 4]]
     (tmp_path / "b.ply").write_text(
-        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
-        "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n"
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face "
+        "1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n"
     )
     assert read_mesh(tmp_path / "b.ply").faces.tolist() == [[0, 1, 2], [0, 2, 3]]
 

@@ -64,8 +64,10 @@ def test_usd_of_usd_core(tmp_path, name, uv):
     assert {tuple(np.roll(f, -f.argmin())) for f in cloth.faces} == {
         tuple(np.roll(f, -f.argmin())) for f in CLOTH.faces
     }
-    by_corner = {(v, *uv) for v, uv in zip(cloth.faces.ravel(), cloth.corner_uv.reshape(-1, 2).tolist())}
-    assert by_corner == {(v, *uv) for v, uv in zip(CLOTH.faces.ravel(), CLOTH.corner_uv.reshape(-1, 2).tolist())}
+    by_corner = {(v, *uv) for v, uv in zip(cloth.faces.ravel(), cloth.corner_uv.reshape(-1, 2).tolist(), strict=True)}
+    assert by_corner == {
+        (v, *uv) for v, uv in zip(CLOTH.faces.ravel(), CLOTH.corner_uv.reshape(-1, 2).tolist(), strict=True)
+    }
     assert (cloth.fps, cloth.unit, cloth.up, cloth.name, body.name) == (25.0, 0.01, "y", "tunic", "avatar")
 
 

@@ -39,7 +39,7 @@ def same_walk(walk: bvh_example.Moving, clip, names: list[str], degrees: float) 
         (clip.rotations[:, indices].swapaxes(2, 3) @ walk.rotations[:, indices]).reshape(-1, 3, 3)
     )
     worst = np.degrees(turned.magnitude()).reshape(-1, len(names)).max(axis=0)
-    assert worst.max() < degrees, dict(zip(names, worst.round(1)))
+    assert worst.max() < degrees, dict(zip(names, worst.round(1), strict=True))
 
 
 @pytest.mark.parametrize("way", ["z up, metres", "y up, centimetres", "inches, prefix", "y up, other bone frames"])
@@ -56,7 +56,7 @@ def test_our_walk_comes_back(tmp_path, way):
     found = loaded(tmp_path, file, "mixamorig:" if "prefix" in way else "")
     assert len(found.clip) == 60 and found.names.convention == "Mixamo"
     unit_name = (
-        "metres" if "metres" == way[-6:] and "centi" not in way else "inches" if "inches" in way else "centimetres"
+        "metres" if way[-6:] == "metres" and "centi" not in way else "inches" if "inches" in way else "centimetres"
     )
     assert (found.upright.unit, found.upright.up) == (unit_name, "z" if way.startswith("z") else "y")
     assert found.upright.height == pytest.approx(np.ptp(BASE.body.rest[:, 2]), rel=0.01)
