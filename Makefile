@@ -3,6 +3,8 @@ PRESET ?= laptop
 SEEDS ?= 1
 PYTHON ?= $(firstword $(foreach p,python3 python3.14 python3.13 python3.12 python3.11,$(shell $(p) -c 'import sys; sys.version_info >= (3, 11) and print("$(p)")' 2>/dev/null)))
 BIN := .venv/bin
+# Runs, sequences and reports go into the checkout; make evals GARMENTBENCH_HOME=/elsewhere moves them.
+export GARMENTBENCH_HOME := $(CURDIR)
 RUN := $(BIN)/garmentbench
 
 .PHONY: evals test lint report data convergence crosscheck clean
