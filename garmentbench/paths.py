@@ -41,6 +41,16 @@ def own_bodies() -> Path:
     return home() / "bodies"
 
 
+def own_wardrobe() -> Path:
+    """The file of the user's own garments, bodies and motions."""
+    return home() / "wardrobe.toml"
+
+
+def own_scenes() -> Path:
+    """The folder of the user's own scenes."""
+    return home() / "scenes"
+
+
 def sequence_path(mesh: str, scene: str) -> Path:
     """The simulated sequence of a scene at a mesh size."""
     return sequences() / mesh / f"{scene}.h5"

@@ -10,10 +10,10 @@ from garmentbench.device import has_cuda, quiet_warp
 from garmentbench.errors import UserError, unknown_name
 from garmentbench.paths import GARMENTS, sequence_path
 from garmentbench.scenes.bodies import body_file, body_names
-from garmentbench.scenes.garments import garment_names, load_garment
-from garmentbench.scenes.presets import MeshSize, Preset
+from garmentbench.scenes.garments import garment_names, scene_garment
+from garmentbench.scenes.presets import MESH_SIZES, MeshSize, Preset
 from garmentbench.scenes.scene import Scene
-from garmentbench.scenes.wardrobe import load_scene
+from garmentbench.scenes.wardrobe import load_scene, wardrobe
 from garmentbench.sequence import Needs, Sequence, Template
 from garmentbench.sequence_file.layout import KIND, REMAKE, SCHEMA
 from garmentbench.storage import hdf5, lock
@@ -75,8 +75,10 @@ def check_scene(scene: Scene) -> None:
     """Raises `UsageError` for a garment, body or motion that does not exist."""
     from garmentbench.motion import STICK, human_motions, stick_motions
 
-    if scene.garment not in garment_names():
-        raise unknown_name("garment", scene.garment, garment_names())
+    if scene.mesh is not None:
+        scene_garment(scene, MESH_SIZES["smoke"])
+    elif scene.garment not in garment_names():
+        raise unknown_name("garment", scene.garment, [*garment_names(), *wardrobe().garments])
     if scene.body not in (STICK, *body_names()):
         raise unknown_name("body", scene.body, [STICK, *body_names()])
     motions = stick_motions() if scene.body == STICK else human_motions()
@@ -105,7 +107,8 @@ def reference_identity(scene: Scene, preset: Preset) -> str:
     """Hash of all that decides a reference: the scene, those beneath it, their assets, the mesh size and the code."""
     beneath = None if scene.worn_over is None else reference_identity(scene.worn_over, preset)
     code = fingerprint(*_CODE, *_assets(scene, preset.mesh))
-    scene = replace(scene, worn_over=None, motion=replace(scene.motion, file=None))  # where files lie does not matter
+    mesh = None if scene.mesh is None else replace(scene.mesh, file="")  # where files lie does not matter
+    scene = replace(scene, worn_over=None, motion=replace(scene.motion, file=None), mesh=mesh)
     return content_hash({"scene": scene, "beneath": beneath, "mesh": preset.mesh, "code": code})
 
 
@@ -119,8 +122,9 @@ def _assets(scene: Scene, mesh: MeshSize) -> list[Path]:
 
     shapes = () if scene.body == STICK else sorted({scene.body, DRESSED})
     bodies = (body_file(shape, mesh.body_size) for shape in shapes if shape in body_names())
+    garment = GARMENTS / f"{scene.garment}-{mesh.name}.npz" if scene.mesh is None else Path(scene.mesh.file)
     clip = [] if scene.motion.file is None else [Path(scene.motion.file)]
-    return [p for p in (GARMENTS / f"{scene.garment}-{mesh.name}.npz", *bodies, *clip) if p.is_file()]
+    return [p for p in (garment, *bodies, *clip) if p.is_file()]
 
 
 def scene_template(scene: Scene, mesh: MeshSize) -> Template:
@@ -130,10 +134,10 @@ def scene_template(scene: Scene, mesh: MeshSize) -> Template:
     from garmentbench.scenes.inner_garment import as_body
 
     if scene.worn_over is not None:
-        body = as_body(load_garment(scene.worn_over.garment, mesh.name))
+        body = as_body(scene_garment(scene.worn_over, mesh))
     else:
         body = stick() if scene.body == STICK else load_body(scene.body, mesh.body_size).body
-    return Template(load_garment(scene.garment, mesh.name), body, scene.fps)
+    return Template(scene_garment(scene, mesh), body, scene.fps)
 
 
 def scene_needs(scene: Scene, mesh: MeshSize) -> Needs:

@@ -1,6 +1,7 @@
 """The command about bodies."""
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 from tyro.conf import Positional
@@ -11,14 +12,20 @@ from garmentbench.errors import UsageError
 
 @dataclass(frozen=True)
 class Bodies:
-    """List the bodies, or bake one of your own, which scenes can then name. Baking needs `pip install anny`.
+    """List the bodies, export one to model a garment on, or bake one of your own. Baking needs `pip install anny`.
+
+    An exported body stands in its rest pose, in metres, z up, facing -y; garments are modelled on base, whichever body
+    wears them later.
 
     Example: garmentbench bodies
+    Example: garmentbench bodies export base body.obj
     Example: garmentbench bodies bake --name mine --gender 0.2 --weight 0.7
 
     Attributes:
-        action: list or bake.
-        name: What scenes will call it.
+        action: list, export or bake.
+        export: With export: the body's name, and the file to write (.obj or .ply).
+        size: With export: full (13,348 vertices) or small (about 3,500).
+        name: With bake: what scenes will call it.
         gender: 0 male, 1 female.
         age: 0.667 is a young adult; 0.5 is a child.
         muscle: From 0 to 1, as the following; 0.5 is the mean.
@@ -27,7 +34,9 @@ class Bodies:
         proportions: From uncommon to ideal.
     """
 
-    action: Positional[Literal["list", "bake"]] = "list"
+    action: Positional[Literal["list", "export", "bake"]] = "list"
+    export: Positional[tuple[str, ...]] = ()
+    size: Literal["full", "small"] = "full"
     name: str = ""
     gender: float = 0.5
     age: float = 0.667
@@ -37,9 +46,23 @@ class Bodies:
     proportions: float = 0.5
 
     def run(self) -> None:
-        if self.action == "list":
-            _list()
-            return
+        if self.export and self.action != "export":
+            raise UsageError(
+                f"bodies {self.action}: what to do with '{self.export[0]}'? See garmentbench bodies --help"
+            )
+        {"list": _list, "export": self._export, "bake": self._bake}[self.action]()
+
+    def _export(self) -> None:
+        from garmentbench.importing.meshes.exporting import export_body
+        from garmentbench.scenes.bodies import load_body
+
+        if len(self.export) != 2:
+            raise UsageError("bodies export: which body, and where to? garmentbench bodies export base body.obj")
+        name, path = self.export
+        export_body(load_body(name, self.size), Path(path))
+        print(f"{path}: the body {name} in its rest pose, metres, z up")
+
+    def _bake(self) -> None:
         from garmentbench.scenes.anny_bodies import Phenotype, bake_body
 
         if not self.name:

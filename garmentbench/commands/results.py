@@ -129,13 +129,15 @@ class Report:
 
 @dataclass(frozen=True)
 class View:
-    """Open a roll-out's recording in the Rerun viewer.
+    """Open a roll-out's recording in the Rerun viewer, with the reference beside it.
 
     Example: garmentbench view evaluate-1f00c0ffee12
+    Example: garmentbench view tshirt-armspace-90
     Example: garmentbench view evaluate-1f00 --web
 
     Attributes:
-        name: Id of an evaluation's run, or its beginning (`garmentbench runs kind=evaluate`).
+        name: Id of an evaluation's run, or its beginning (`garmentbench runs kind=evaluate`); or a scene, for the last
+            evaluation on it.
         web: Serve it to a browser, as on a machine without a display.
     """
 
@@ -143,10 +145,17 @@ class View:
     web: bool = False
 
     def run(self) -> None:
+        from garmentbench.scenes.wardrobe import scene_names
         from garmentbench.storage.runs import RunStore
         from garmentbench.viewing.viewer import open_viewer, serve_recording
 
-        run = RunStore().get(self.name)
+        store, scene = RunStore(), self.name.removesuffix(".h5").rpartition("/")[2]
+        on_scene = store.list({"kind": "evaluate", "state": "finished", "identity.scene": scene})
+        if not on_scene and (scene in scene_names() or self.name.endswith(".h5")):
+            raise UsageError(
+                f"view: nothing was evaluated on {scene}; garmentbench evaluate METHOD --scene {self.name}"
+            )
+        run = on_scene[-1] if on_scene else store.get(self.name)
         if run.kind != "evaluate":
             raise UsageError(f"view: {run.id} is no evaluation; `garmentbench runs kind=evaluate` lists those")
         (serve_recording if self.web else open_viewer)(run.folder / "recording.rrd")

@@ -1,4 +1,4 @@
-"""UV coordinates for a mesh that has none, by xatlas."""
+"""UV coordinates a vertex: of a mesh that has them at its corners, or has none (by xatlas)."""
 
 from dataclasses import dataclass
 
@@ -8,6 +8,7 @@ from jaxtyping import Float, Int
 from garmentbench.errors import UserError
 
 _TEXELS = 1024  # a side of the map that charts are packed for
+SAME_UV = 1e-6  # UV coordinates this near are the same
 _PADDING = 4  # texels between two charts: a 128 x 128 map keeps them half a texel apart
 
 
@@ -79,3 +80,27 @@ def in_order(
     sources = np.concatenate([np.arange(count), source[copies]])
     seams = np.stack([source[copies], number[copies]], axis=1)
     return Unwrapped(sources, number[corners].astype(np.int32), placed, seams.astype(np.int32))
+
+
+def split_corners(
+    faces: Int[np.ndarray, "faces 3"], corner_uv: Float[np.ndarray, "faces 3 2"]
+) -> tuple[Int[np.ndarray, " cut"], Int[np.ndarray, "faces 3"], Float[np.ndarray, "cut 2"]]:
+    """Vertices with one UV coordinate each.
+
+    Args:
+        faces: Shape (F, 3).
+        corner_uv: Shape (F, 3, 2).
+
+    Returns:
+        The old vertex of each new one, shape (W,), in the old order; faces of the new ones, shape (F, 3), int32; their
+        UV, shape (W, 2), float32.
+    """
+    vertex, uv = faces.ravel().astype(np.int64), corner_uv.reshape(-1, 2)
+    grid = np.round(uv / SAME_UV).astype(np.int64)
+    order = np.lexsort((grid[:, 1], grid[:, 0], vertex))
+    sorted_keys = np.column_stack([vertex, grid])[order]
+    new = np.concatenate([[True], (np.diff(sorted_keys, axis=0) != 0).any(axis=1)])
+    number = np.empty(len(order), np.int64)
+    number[order] = np.cumsum(new) - 1
+    first = order[new]
+    return vertex[first], number.reshape(-1, 3).astype(np.int32), uv[first].astype(np.float32)

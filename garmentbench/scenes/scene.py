@@ -40,12 +40,29 @@ class Motion:
 
 
 @dataclass(frozen=True)
+class MeshFile:
+    """The mesh of a garment of the user's own, in metres, z up, as worn by the base body in its rest pose.
+
+    Attributes:
+        file: An .npz file by `garmentbench check --fix`, or an OBJ file; in a TOML file relative to that.
+        pins: What the body holds fast, e.g. a waistband: "top 3 cm", the name of a group of faces in an OBJ file, or
+            numbers of vertices; None for those that an .npz names.
+        seams: "weld" sews borders together where they touch at rest; "file" takes only the file's own seams; pairs of
+            vertices are sewn beside these. Cuts of the UV map are sewn always.
+    """
+
+    file: str
+    pins: str | tuple[int, ...] | None = None
+    seams: Literal["weld", "file"] | tuple[tuple[int, int], ...] = "weld"
+
+
+@dataclass(frozen=True)
 class Scene:
-    """A scene, resolved: nothing in it has to be looked up but the baked garment and body.
+    """A scene, resolved: nothing in it has to be looked up but the meshes of garment and body.
 
     Attributes:
         name: Its name: `<garment>-<motion>`, and `-<body>` where that is not the base body; of a scene file the file's.
-        garment: A baked garment, e.g. "tshirt" or "sheet".
+        garment: A baked garment, e.g. "tshirt" or "sheet", or what the one of `mesh` is called.
         body: "base", "slim", "heavy", or "stick" (an object, no human).
         motion: How it moves.
         split: "train" or "test".
@@ -55,6 +72,7 @@ class Scene:
         simulation: The solver's settings.
         worn_over: The scene of the garment beneath, which is simulated first and then touched like the body; None where
             the skin is beneath.
+        mesh: The garment's file where it is none of the baked ones.
     """
 
     name: str
@@ -67,3 +85,4 @@ class Scene:
     material: Material = Material()
     simulation: Settings = Settings()
     worn_over: "Scene | None" = None
+    mesh: MeshFile | None = None

@@ -1,13 +1,21 @@
-"""The scenes there are: every garment of the wardrobe in every motion on every body, and those that are files."""
+"""The scenes there are: every garment of the wardrobe in every motion on every body, and those that are files.
 
-from dataclasses import asdict, dataclass, field, replace
+The user's own lie in the home folder: garments, bodies and motions in wardrobe.toml, scenes in scenes/*.toml.
+"""
+
+import json
+import re
+from dataclasses import asdict, dataclass, field, fields, replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
+from garmentbench import paths
 from garmentbench.errors import UserError, unknown_name
-from garmentbench.paths import SCENES, WARDROBE
+from garmentbench.scenes.garments import garment_names
 from garmentbench.scenes.material import Material, Settings
-from garmentbench.scenes.scene import BASE, Frames, Motion, Scene, Split
+from garmentbench.scenes.scene import BASE, Frames, MeshFile, Motion, Scene, Split
+from garmentbench.storage.atomic import write_text
 from garmentbench.storage.typed_toml import read_toml, typed
 
 
@@ -43,12 +51,18 @@ class GarmentEntry:
         simulation: The solver's settings for it.
         worn_over: The garment beneath; None for the skin.
         frames: Frames of its scenes on the base body by motion, where these are not the motion's.
+        mesh: Its file where it is none of the baked garments; the file's name alone will do.
     """
 
     material: Material = Material()
     simulation: Settings = Settings()
     worn_over: str | None = None
     frames: dict[str, Frames] = field(default_factory=dict)
+    mesh: MeshFile | None = None
+
+    def worn(self, scene: Scene) -> Scene:
+        """A scene with this garment's mesh, material and settings."""
+        return replace(scene, material=self.material, simulation=self.simulation, mesh=self.mesh)
 
 
 @dataclass(frozen=True)
@@ -73,21 +87,17 @@ class Wardrobe:
         """One of them."""
         plan, wearer, wears = self.motions[motion], self.bodies.get(body, BodyEntry()), self.garments[garment]
         lengths = wears.frames if body == BASE else wearer.frames
-        frames = lengths.get(motion, plan.frames)
-        return self.wearing(
-            Scene(scene_name(garment, motion, body), garment, body, Motion(motion), wearer.split or plan.split, frames,
-                  material=wears.material, simulation=wears.simulation)
-        )  # fmt: skip
+        frames, split = lengths.get(motion, plan.frames), wearer.split or plan.split
+        scene = Scene(scene_name(garment, motion, body), garment, body, Motion(motion), split, frames)
+        return self.wearing(wears.worn(scene))
 
     def wearing(self, scene: Scene) -> Scene:
         """The scene with its garment over what the wardrobe says that it is worn over."""
         beneath = self.entry(scene.garment).worn_over
         if beneath is None:
             return scene
-        wears = self.entry(beneath)
         name = scene_name(beneath, scene.motion.name, scene.body)
-        inner = replace(scene, name=name, garment=beneath, material=wears.material, simulation=wears.simulation)
-        return replace(scene, worn_over=inner)
+        return replace(scene, worn_over=self.entry(beneath).worn(replace(scene, name=name, garment=beneath)))
 
     def entry(self, garment: str) -> GarmentEntry:
         """What the wardrobe says of a garment, which need not be in it."""
@@ -120,20 +130,78 @@ def _load(name: str, outer: str = "") -> Scene:
     return wardrobe().scene(*combined[name])
 
 
-@cache
 def wardrobe() -> Wardrobe:
-    """The suite's garments, bodies and motions."""
-    return read_wardrobe(WARDROBE)
+    """The suite's garments, bodies and motions, and the user's own. Raises `UserError` where theirs is wrong."""
+    suite, path = _suite(), paths.own_wardrobe()
+    if not path.is_file():
+        return suite
+    own = read_wardrobe(path)
+    for table, entries in vars(own).items():
+        for name in entries:
+            if name in getattr(suite, table) or (table == "garments" and name in garment_names()):
+                raise UserError(f"{path}: {table}.{name} is the suite's name; call yours something else")
+    whole = Wardrobe(*({**getattr(suite, table), **entries} for table, entries in vars(own).items()))
+    for name, entry in own.garments.items():
+        where, beneath = f"{path}: garments.{name}.worn_over", entry.worn_over
+        if beneath is not None and beneath not in (known := {*whole.garments, *garment_names()}):
+            raise UserError(f"{where}: {unknown_name('garment', beneath, known)}")
+        if beneath is not None and (under := whole.entry(beneath).worn_over) is not None:
+            raise UserError(f"{where} is '{beneath}', itself worn over '{under}'; wanted one that is worn on the skin")
+    return whole
+
+
+@cache
+def _suite() -> Wardrobe:
+    return read_wardrobe(paths.WARDROBE)
 
 
 def read_wardrobe(path: Path) -> Wardrobe:
     """A wardrobe's file. Raises `UserError` naming what is wrong and where."""
-    return typed(read_toml(path), Wardrobe, path)
+    table = read_toml(path)
+    for name, entry in table["garments"].items() if isinstance(table.get("garments"), dict) else ():
+        if not re.fullmatch(r"\w+", name):
+            raise UserError(f"{path}: a garment is called '{name}'; wanted letters, digits and _")
+        if isinstance(entry, dict):
+            entry |= _in_full(entry, mesh="file")
+    read = typed(table, Wardrobe, path)
+    garments = {name: replace(entry, mesh=_beside(path, entry.mesh)) for name, entry in read.garments.items()}
+    return replace(read, garments=garments)
+
+
+def save_scene(scene: Scene) -> Path:
+    """Write a scene as a file of the user's own, which `load_scene` then finds by its name.
+
+    Raises `UserError` where there is another scene of that name.
+    """
+    path = paths.own_scenes() / f"{scene.name}.toml"
+    if scene.name in scene_names():
+        if load_scene(scene.name) != scene:
+            where = f"{path}: has been written before and differs" if path.is_file() else "the suite has it already"
+            raise UserError(f"scene {scene.name}: {where}; simulate it by its name, or choose another name")
+        return path
+    lines = [f"{key} = {json.dumps(getattr(scene, key))}" for key in ("garment", "body", "split", "frames")]
+    for key, value in (("motion", scene.motion), ("mesh", scene.mesh)):
+        if value is not None:
+            given = {f.name: getattr(value, f.name) for f in fields(value) if getattr(value, f.name) != f.default}
+            lines.append(f"{key} = {{{', '.join(f'{k} = {json.dumps(v)}' for k, v in given.items())}}}")
+    write_text(path, "\n".join(lines) + "\n")
+    return path
+
+
+def _in_full(table: dict[str, Any], **keys: str) -> dict[str, Any]:
+    """Entries of a table that are a text alone, as tables of which the text is one key: motion = "fast", for one."""
+    return {key: {inner: table[key]} for key, inner in keys.items() if isinstance(table.get(key), str)}
+
+
+def _beside(path: Path, mesh: MeshFile | None) -> MeshFile | None:
+    """A mesh whose file is named relative to the file at `path`."""
+    return None if mesh is None else replace(mesh, file=str(path.parent / mesh.file))
 
 
 def _files() -> dict[str, Path]:
-    """Files of scenes by name."""
-    return {path.stem: path for path in SCENES.glob("*.toml")}
+    """Files of scenes by name, the suite's before the user's."""
+    folders = (paths.own_scenes(), paths.SCENES)
+    return {path.stem: path for folder in folders for path in folder.glob("*.toml")}
 
 
 def _from_file(path: Path, outer: str) -> Scene:
@@ -143,15 +211,15 @@ def _from_file(path: Path, outer: str) -> Scene:
         raise UserError(f"{path}: worn_over is {over!r}; wanted the name of a scene")
     if outer and over:
         raise UserError(f"scene {outer} is worn over {path.stem}, itself worn over {over}; wanted two layers")
-    if isinstance(table.get("motion"), str):
-        table["motion"] = {"name": table["motion"]}
+    table |= _in_full(table, motion="name", mesh="file")
     if isinstance(table.get("garment"), str):
         entry = wardrobe().entry(table["garment"])
         for key in ("material", "simulation"):
             changes = table.get(key, {})
             table[key] = asdict(getattr(entry, key)) | changes if isinstance(changes, dict) else changes
     scene = typed({**table, "name": path.stem}, Scene, path)
-    scene = replace(scene, motion=_with_clip(scene.motion, path))
+    mesh = _beside(path, scene.mesh) or wardrobe().entry(scene.garment).mesh
+    scene = replace(scene, motion=_with_clip(scene.motion, path), mesh=mesh)
     if over is None:
         return wardrobe().wearing(scene)
     inner = _load(str(path.parent / over) if over.endswith(".toml") else over, scene.name)

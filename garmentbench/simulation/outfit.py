@@ -8,7 +8,7 @@ import numpy as np
 
 from garmentbench.motion import Animation, animate
 from garmentbench.motion.placing import place
-from garmentbench.scenes.garments import load_garment
+from garmentbench.scenes.garments import scene_garment
 from garmentbench.scenes.inner_garment import as_body, sewn
 from garmentbench.scenes.material import Material, Settings
 from garmentbench.scenes.presets import Preset
@@ -114,5 +114,5 @@ class Worn:
 
 
 def _layer(scene: Scene, preset: Preset) -> Layer:
-    garment = load_garment(scene.garment, preset.mesh.name)
+    garment = scene_garment(scene, preset.mesh)
     return Layer(garment, place(garment.rest, scene.motion), scene.material, scene.simulation)

@@ -3,21 +3,20 @@
 Writing a mended garment.
 """
 
-import re
 from pathlib import Path
 
 import numpy as np
 
 from garmentbench import sequence_file
 from garmentbench.errors import UsageError, UserError
-from garmentbench.geometry.unwrap import in_order
+from garmentbench.geometry.unwrap import in_order, split_corners
 from garmentbench.importing.mesh_doctor.body import Wearer, baked, is_baked, of_body
 from garmentbench.importing.mesh_doctor.mesh import Mesh
 from garmentbench.importing.mesh_doctor.shape import unit
 from garmentbench.importing.meshes import obj
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence
 from garmentbench.importing.meshes.ply import read_ply
-from garmentbench.importing.meshes.uv_map import split
+from garmentbench.scenes.garment_file import garment_name
 from garmentbench.sequence import Body, Garment
 from garmentbench.storage.atomic import written_whole
 from garmentbench.storage.npz import read_arrays
@@ -84,7 +83,7 @@ def _of_corners(read: MeshSequence) -> Mesh:
     vertices, faces = read.still.astype(np.float64), read.faces.astype(np.int64)
     if uv is None or not np.isfinite(uv).all():
         return Mesh(read.name, vertices, faces, None if uv is None else np.full((count, 2), np.nan), np.arange(count))
-    cut = in_order(count, *split(read.faces, uv))
+    cut = in_order(count, *split_corners(read.faces, uv))
     at = cut.source
     return Mesh(
         read.name, vertices[at], cut.faces.astype(np.int64), cut.uv.astype(np.float64), at, cut.seams.astype(np.int64)
@@ -124,10 +123,8 @@ def writable(path: Path) -> None:
 
 def wardrobe_lines(path: Path) -> str:
     """The lines that enter a garment's .npz file into a wardrobe."""
-    name = re.sub(r"[^a-z0-9_]+", "_", path.stem.lower()).strip("_") or "garment"
-    return (
-        f'to wear it in scenes, put into your wardrobe.toml:\n[garments.{name}]\nmesh = "{path.resolve().as_posix()}"'
-    )
+    lines = f'[garments.{garment_name(str(path))}]\nmesh = "{path.resolve().as_posix()}"'
+    return f"to wear it in scenes, put into your wardrobe.toml:\n{lines}"
 
 
 def write_mesh(path: Path, mesh: Mesh) -> list[str]:

@@ -11,12 +11,13 @@ from garmentbench.errors import UsageError, UserError
 from garmentbench.importing.meshes import obj
 from garmentbench.importing.meshes.arrays import write_npz
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence
+from garmentbench.importing.meshes.ply import write_ply
 from garmentbench.importing.meshes.point_caches import write_mdd, write_pc2
 from garmentbench.paths import sequence_path
 from garmentbench.progress import track
 from garmentbench.reference import make_reference, resolve_source
+from garmentbench.scenes.bodies import BakedBody
 from garmentbench.scenes.presets import Preset
-from garmentbench.scenes.wardrobe import scene_names
 from garmentbench.sequence import Sequence
 
 ROUNDING = {
@@ -42,10 +43,10 @@ def select(
     Raises:
         UserError: There is no such thing, or it is damaged.
     """
-    if source.endswith((".h5", ".toml")) or source in scene_names():
-        sequence, notes = sequence_file.load(make_reference(resolve_source(source), preset).path), []
-    else:
+    if source.startswith("evaluate"):
         sequence, notes = _rolled_out(source, recorded)
+    else:
+        sequence, notes = sequence_file.load(make_reference(resolve_source(source), preset).path), []
     if frames is not None and not 1 <= frames <= len(sequence):
         raise UsageError(f"--frames is {frames}; there are {len(sequence)}")
     return sequence.frames(0, frames or len(sequence)), notes
@@ -60,7 +61,7 @@ def _rolled_out(name: str, recorded: Path | None) -> tuple[Sequence, list[str]]:
     if run.kind != "evaluate":
         raise UsageError(f"export: {run.id} is no evaluation; `garmentbench runs kind=evaluate` lists those")
     _ = run.results  # says so where it is not finished
-    path = recorded or sequence_path(run.identity["preset"], run.identity["scene"])
+    path = recorded or sequence_path(run.identity["preset"].partition("+")[0], run.identity["scene"])
     if not path.is_file():
         raise UserError(f"{run.id}: the sequence that it was evaluated on is not at {path}; name it with --sequence")
     if sequence_file.content_hash(path) != run.identity["data"]:
@@ -74,6 +75,17 @@ def _rolled_out(name: str, recorded: Path | None) -> tuple[Sequence, list[str]]:
         else [f"the roll-out {roll.status} at frame {count}: {count} frames of {len(good)} are written"]
     )
     return replace(sequence.frames(0, count), garment=roll.garment[:count]), notes
+
+
+def export_body(baked: BakedBody, path: Path) -> None:
+    """Write a body in its rest pose as OBJ or PLY, in metres, z up. Raises `UserError` where it can't be written."""
+    body = baked.body
+    if path.suffix.lower() == ".obj":
+        obj.write_template(path, MeshSequence(body.name, body.rest[None], body.faces, baked.uv[body.faces]))
+    elif path.suffix.lower() == ".ply":
+        write_ply(path, body.rest, body.faces)
+    else:
+        raise UsageError(f"bodies export: {path}: wanted a file name that ends in .obj or .ply")
 
 
 def export(sequence: Sequence, form: str, folder: Path) -> list[Path]:

@@ -6,6 +6,7 @@ import numpy as np
 
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence, checked_faces, refusal, size_of
 from garmentbench.importing.meshes.polygons import triangulate, what_was_cut
+from garmentbench.storage.atomic import written_whole
 from garmentbench.storage.hdf5 import reason
 
 # What trimesh's reader was seen to raise on damaged files.
@@ -50,3 +51,11 @@ def _load(path: Path, fix_texture: bool) -> dict:
     except _ODD as e:
         found = f"damaged, or no PLY file ({reason(e)[:100]})"
         raise refusal(path, found, "export it again as OBJ or PLY") from e
+
+
+def write_ply(path: Path, positions: np.ndarray, faces: np.ndarray) -> None:
+    """A mesh as a PLY file: positions, shape (V, 3), triangles, shape (F, 3). Raises `UserError`."""
+    import trimesh
+
+    with written_whole(path) as partial:
+        partial.write_bytes(trimesh.Trimesh(positions, faces, process=False).export(file_type="ply"))

@@ -6,15 +6,12 @@ And the pairs to sew again.
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
-from garmentbench.geometry.unwrap import unwrap
+from garmentbench.geometry.unwrap import SAME_UV, split_corners, unwrap
+from garmentbench.geometry.weld import TOGETHER, sewing_pairs, touching_borders
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence, refusal
 
 MOST_TILES = 100  # a UV map that spans more is damaged
-_SAME = 1e-6  # UV coordinates this near are the same
 
 
 @dataclass(frozen=True)
@@ -49,37 +46,15 @@ def vertex_uv(mesh: MeshSequence, make_uv: bool = False) -> VertexUV:
     if not np.isfinite(uv).all():
         raise refusal(where, "has UV coordinates that are NaN or infinite", "unwrap the garment again")
     uv, notes = _into_unit_square(where, uv.astype(np.float64))
-    origin, faces, of_vertex = split(mesh.faces, uv)
+    origin, faces, of_vertex = split_corners(mesh.faces, uv)
     copies = len(origin) - len(np.unique(mesh.faces))
     cut = (f"{copies} vertices split along the cuts of the UV map",) if copies else ()
     return VertexUV(origin, faces, of_vertex, (*notes, *cut, *_left_out(mesh)))
 
 
-def split(faces: np.ndarray, corner_uv: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Vertices with one UV coordinate each.
-
-    Args:
-        faces: Shape (F, 3).
-        corner_uv: Shape (F, 3, 2).
-
-    Returns:
-        The old vertex of each new one, shape (W,), in the old order; faces of the new ones, shape (F, 3), int32; their
-        UV, shape (W, 2), float32.
-    """
-    vertex, uv = faces.ravel().astype(np.int64), corner_uv.reshape(-1, 2)
-    grid = np.round(uv / _SAME).astype(np.int64)
-    order = np.lexsort((grid[:, 1], grid[:, 0], vertex))
-    sorted_keys = np.column_stack([vertex, grid])[order]
-    new = np.concatenate([[True], (np.diff(sorted_keys, axis=0) != 0).any(axis=1)])
-    number = np.empty(len(order), np.int64)
-    number[order] = np.cumsum(new) - 1
-    first = order[new]
-    return vertex[first], number.reshape(-1, 3).astype(np.int32), uv[first].astype(np.float32)
-
-
 def _into_unit_square(where: object, uv: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
     flat = uv.reshape(-1, 2)
-    low, high = np.floor(flat.min(axis=0) + _SAME), np.ceil(flat.max(axis=0) - _SAME)
+    low, high = np.floor(flat.min(axis=0) + SAME_UV), np.ceil(flat.max(axis=0) - SAME_UV)
     tiles = float((high - low).max())
     if not low.any() and tiles <= 1:
         return np.clip(uv, 0, 1), ()
@@ -108,7 +83,6 @@ def _left_out(mesh: MeshSequence) -> tuple[str, ...]:
     return (f"{loose} vertices without a face left out",) if loose else ()
 
 
-TOGETHER = 2e-5  # [m] at rest; OBJ files round to a micrometre, the shortest edges of dense meshes are 0.1 mm
 SEWN = 1e-3  # [m] in every frame
 
 
@@ -127,33 +101,10 @@ def seam_pairs(origin: np.ndarray, faces: np.ndarray, rest: np.ndarray, frames: 
     order = np.argsort(origin, kind="stable")
     same = origin[order][1:] == origin[order][:-1]
     cut = np.stack([order[:-1][same], order[1:][same]], axis=1)
-    return _stars(np.concatenate([cut, _touching(_border(faces), rest, frames)]), len(rest))
-
-
-def _border(faces: np.ndarray) -> np.ndarray:
-    """Vertices on edges of one face."""
-    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
-    unique, counts = np.unique(edges, axis=0, return_counts=True)
-    return np.unique(unique[counts == 1])
-
-
-def _touching(border: np.ndarray, rest: np.ndarray, frames: np.ndarray) -> np.ndarray:
-    """Pairs on the border that coincide at rest and never part."""
-    if not len(border):
-        return np.zeros((0, 2), np.int64)
-    pairs = border[cKDTree(rest[border]).query_pairs(TOGETHER, output_type="ndarray")]
+    touching = touching_borders(rest, faces, TOGETHER)
     for frame in frames:
-        if not len(pairs):
+        if not len(touching):
             break
-        gap = np.linalg.norm(frame[pairs[:, 0]] - frame[pairs[:, 1]], axis=1)
-        pairs = pairs[gap <= SEWN]
-    return pairs
-
-
-def _stars(pairs: np.ndarray, count: int) -> np.ndarray:
-    """Each vertex of a cluster with the cluster's first one."""
-    graph = sp.coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (count, count))
-    _, cluster = connected_components(graph, directed=False)
-    _, first = np.unique(cluster, return_index=True)
-    others = np.setdiff1d(np.arange(count), first)
-    return np.stack([first[cluster[others]], others], axis=1).astype(np.int32)
+        gap = np.linalg.norm(frame[touching[:, 0]] - frame[touching[:, 1]], axis=1)
+        touching = touching[gap <= SEWN]
+    return sewing_pairs(np.concatenate([cut, touching]), len(rest))

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from garmentbench.errors import UserError
+from garmentbench.geometry.unwrap import split_corners
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence
-from garmentbench.importing.meshes.uv_map import seam_pairs, split, vertex_uv
+from garmentbench.importing.meshes.uv_map import seam_pairs, vertex_uv
 
 # two triangles of a square, cut apart in UV along the diagonal 0-2
 FACES = np.array([[0, 1, 2], [0, 2, 3]], np.int32)
@@ -19,14 +20,14 @@ def mesh(uv, faces=FACES, positions=SQUARE, **more):
 
 
 def test_no_cut_no_split():
-    origin, faces, uv = split(FACES, WHOLE)
+    origin, faces, uv = split_corners(FACES, WHOLE)
     assert origin.tolist() == [0, 1, 2, 3]
     np.testing.assert_array_equal(faces, FACES)
     np.testing.assert_array_equal(uv[faces], WHOLE)
 
 
 def test_a_cut_splits_its_vertices_and_sews_them():
-    origin, faces, uv = split(FACES, CUT)
+    origin, faces, uv = split_corners(FACES, CUT)
     assert origin.tolist() == [0, 0, 1, 2, 2, 3]
     np.testing.assert_array_equal(origin[faces], FACES)
     np.testing.assert_array_equal(uv[faces], CUT)
@@ -36,7 +37,7 @@ def test_a_cut_splits_its_vertices_and_sews_them():
 def test_rounding_noise_is_no_cut():
     noisy = WHOLE.copy()
     noisy[1, 0] += 1e-7
-    assert len(split(FACES, noisy)[0]) == 4
+    assert len(split_corners(FACES, noisy)[0]) == 4
 
 
 def test_vertices_that_never_part_are_sewn_and_others_are_not():
