@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class Simulate:
     """Simulate scenes into reference sequences, several at a time. Existing ones by the same code are reused.
-    """Simulate scenes into reference sequences, several at a time. Those that the same code has made already are kept.
 
     With --garment: one scene of any garment in any motion on any body. It is written to scenes/ in the home folder, and
     from then on its name, <garment>-<motion> or <garment>-<motion>-<body>, can be used wherever a scene's name is.
