@@ -60,7 +60,7 @@ def _show(scene: "Scene") -> None:
             continue
         if key == "worn_over":
             value = value.name
-        elif is_dataclass(value):
+        elif is_dataclass(value) and not isinstance(value, type):
             value = _changed(value)
         if value:
             print(f"{key}: {value}")

@@ -38,7 +38,7 @@ def touching_borders(
 
 
 def sewing_pairs(pairs: Int[np.ndarray, "pairs 2"], vertices: int) -> Int[np.ndarray, "seams 2"]:
-    """Seams that join what any number of pairs join: each vertex of a cluster with its first one, shape (S, 2), int32."""
+    """Seams that join what the pairs join: each vertex of a cluster with its first one, shape (S, 2), int32."""
     point, _ = weld(vertices, pairs)
     _, first = np.unique(point, return_index=True)
     others = np.setdiff1d(np.arange(vertices), first)

@@ -1,5 +1,8 @@
-"""A garment of the user's own, from a file: .npz as `garmentbench check --fix` writes it, or OBJ, in metres, z up, as worn
-by the base body in its rest pose. What is wrong with a mesh is told in full by `garmentbench check`."""
+"""A garment of the user's own, from an .npz file by `garmentbench check --fix` or an OBJ file.
+
+In metres, z up, as worn by the base body in its rest pose. `garmentbench check` says everything that is wrong with a
+mesh; here the first thing that makes it useless is enough.
+"""
 
 import re
 from pathlib import Path
@@ -113,30 +116,41 @@ def _obj(name: str, path: Path) -> tuple[Garment, dict[str, np.ndarray]]:
 
 def _obj_lines(path: Path) -> tuple[list, list, list, list, dict[str, np.ndarray]]:
     """Positions, UV coordinates, triangles, the UV number at their corners (-1: none), and the groups' vertices."""
-    tables: dict[str, list] = {"v": [], "vt": []}
-    corners, corner_uv, members, open_groups = [], [], {}, []
-    number, line = 0, ""
-    try:
-        for number, line in enumerate(path.read_text().splitlines(), start=1):
-            key, *words = line.split() or [""]
-            if key in tables:
-                tables[key].append([float(word) for word in words[: 3 if key == "v" else 2]])
-                tables[key][-1][1]  # at least two numbers
+    points, uvs, corners, corner_uv = [], [], [], []
+    members: dict[str, set[int]] = {}
+    open_groups: list[str] = []
+    lines = _text(path).splitlines()
+    for number, line in enumerate(lines, start=1):
+        key, *words = line.split() or [""]
+        try:
+            if key in ("v", "vt"):
+                x, y, *z = map(float, words)
+                (points if key == "v" else uvs).append([x, y, z[0]] if key == "v" else [x, y])
             elif key in ("g", "o"):
                 open_groups = words
             elif key == "f":
-                named = [[int(n) if n else 0 for n in word.split("/")[:2]] for word in words]
-                at = [v - 1 if v > 0 else len(tables["v"]) + v for v, *_ in named]
-                uv = [
-                    -1 if not t or not t[0] else t[0] - 1 if t[0] > 0 else len(tables["vt"]) + t[0] for _, *t in named
-                ]
+                at, uv = zip(*(_corner(word, len(points), len(uvs)) for word in words), strict=True)
                 for k in range(1, len(at) - 1):
                     corners.append([at[0], at[k], at[k + 1]])
                     corner_uv.append([uv[0], uv[k], uv[k + 1]])
                 for group in open_groups:
                     members.setdefault(group, set()).update(at)
+        except (ValueError, IndexError) as e:
+            raise UserError(f"{path}: line {number} is '{line.strip()[:60]}', wanted OBJ; export it again") from e
+    return points, uvs, corners, corner_uv, {group: np.array(sorted(at)) for group, at in members.items()}
+
+
+def _corner(word: str, points: int, uvs: int) -> tuple[int, int]:
+    """Vertex and UV of a face's corner from 0 (-1: no UV); negative numbers count from the last one so far."""
+    vertex, _, rest = word.partition("/")
+    v, t = int(vertex), int(rest.partition("/")[0] or 0)
+    return (v - 1 if v > 0 else points + v), (t - 1 if t >= 0 else uvs + t)
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_text()
     except OSError as e:
         raise UserError(f"{path}: {e.strerror}; wanted an OBJ mesh") from e
-    except (ValueError, IndexError) as e:
-        raise UserError(f"{path}: line {number} is '{line.strip()[:60]}', wanted OBJ; export it again") from e
-    return *tables.values(), corners, corner_uv, {group: np.array(sorted(at)) for group, at in members.items()}
+    except UnicodeDecodeError as e:
+        raise UserError(f"{path}: no text, wanted an OBJ mesh; export it again") from e

@@ -1,4 +1,4 @@
-"""A poncho as an artist would export it: rings of quads from the neck outwards, over the shoulders of an exported body."""
+"""A poncho as an artist would export it: rings of quads over the shoulders of an exported body."""
 
 from pathlib import Path
 

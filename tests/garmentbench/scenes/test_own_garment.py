@@ -1,4 +1,4 @@
-"""Garments of the user's own: read from OBJ and .npz, pinned and sewn, entered into a wardrobe or given on the command line."""
+"""Garments of the user's own: read from OBJ and .npz, pinned, sewn, in a wardrobe or on the command line."""
 
 import numpy as np
 import pytest
@@ -77,7 +77,7 @@ def test_pins_are_the_top_a_group_of_faces_or_vertices(tmp_path):
 
 def test_a_mesh_without_uv_gets_a_map_and_pins_follow_its_cuts(home):
     garment = read_garment("poncho", MeshFile("poncho.obj", pins="collar"))
-    assert 0 <= garment.uv.min() and garment.uv.max() <= 1
+    assert garment.uv.min() >= 0 and garment.uv.max() <= 1
     names = np.arange(len(garment.rest))
     names[garment.seams[:, 1]] = garment.seams[:, 0]
     assert len(np.unique(names)) == AROUND * RINGS and len(np.unique(names[garment.pins])) == 2 * AROUND

@@ -1,0 +1,77 @@
+"""docs/own-garment.md does what it says: its commands are run as typed, at smoke size, with a poncho."""
+
+import re
+import shlex
+import subprocess
+from pathlib import Path
+
+import pandas
+import pytest
+from poncho import write_poncho
+
+from garmentbench.cli import main
+from garmentbench.scenes.material import Material, Settings
+from garmentbench.scenes.wardrobe import load_scene, read_wardrobe
+from garmentbench.storage.runs import RunStore
+
+TEXT = (Path(__file__).parents[1] / "docs" / "own-garment.md").read_text()
+BLOCKS = [block.splitlines() for block in re.findall(r"```sh\n(.*?)```", TEXT, flags=re.S)]
+SIZED = ("simulate", "train", "evaluate", "evals")
+
+
+@pytest.fixture
+def home(tmp_path, monkeypatch):
+    """An empty folder to work in; what `view` opens is noted in place of a window."""
+    opened = []
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("garmentbench.viewing.viewer.open_viewer", opened.append)
+    return tmp_path, opened
+
+
+def typed(line: str) -> None:
+    """Run a line of the document."""
+    if not line.startswith("garmentbench"):
+        subprocess.run(line, shell=True, check=True)
+        return
+    arguments = shlex.split(line)[1:]
+    assert main([*arguments, *(["--preset", "smoke"] if arguments[0] in SIZED else [])]) == 0, line
+
+
+def test_nine_commands_lead_from_a_mesh_to_a_report_and_a_picture(home, capsys):
+    folder, opened = home
+    commands = [line for line in BLOCKS[0] if not line.startswith("#")]
+    assert len(commands) == 9
+    typed(commands[0])
+    write_poncho(folder / "poncho.obj", folder / "body.obj")
+    for command in commands[1:]:
+        typed(command)
+    assert load_scene("poncho-catwalk-slim").material == Material(bending=1e-4)
+    rows = pandas.read_csv(folder / "reports" / "poncho-smoke" / "results.csv")
+    tested = rows[(rows.experiment == "poncho") & (rows.metric == "rollout_l2")]
+    assert set(tested.method) == {"skinning", "linear_subspace"} and set(tested.status) == {"ok"}
+    assert set(tested.scene) == {"poncho-catwalk-slim"} and set(tested.train_scenes) == {"poncho-armspace-75"}
+    assert "poncho" in (folder / "reports" / "poncho-smoke" / "index.html").read_text()
+    (recording,) = opened
+    assert RunStore().get(recording.parent.name).identity["scene"] == "poncho-catwalk-slim"
+    assert "±" in capsys.readouterr().out
+
+
+def test_a_scene_without_an_entry_has_a_name_from_then_on(home):
+    folder, _ = home
+    assert main(["bodies", "export", "base", "body.obj"]) == 0
+    write_poncho(folder / "poncho.obj", folder / "body.obj")
+    assert main(["check", "poncho.obj", "--fix", "poncho.npz"]) == 0
+    (command,) = BLOCKS[1]
+    typed(command)
+    assert load_scene("poncho-run-tall").frames == 150
+    assert main(["card", "poncho-run-tall", "--preset", "smoke"]) == 0
+
+
+def test_the_wardrobe_in_the_document_is_one(tmp_path):
+    (entry,) = re.findall(r"```toml\n(.*?)```", TEXT, flags=re.S)
+    (tmp_path / "wardrobe.toml").write_text(entry)
+    skirt = read_wardrobe(tmp_path / "wardrobe.toml").garments["skirt"]
+    assert skirt.material == Material(bending=1e-4, density=0.3)
+    assert skirt.simulation == Settings(self_contact=True, queries=6)
+    assert skirt.mesh is not None and skirt.mesh.pins == "waistband"
+    assert all(f"`{name}`" in TEXT for name in vars(Material()))
