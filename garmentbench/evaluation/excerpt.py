@@ -8,6 +8,7 @@ from pathlib import Path
 from zipfile import BadZipFile
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from garmentbench.errors import UserError
 from garmentbench.evaluation.rollout import RollOut
@@ -34,14 +35,14 @@ class Excerpt:
         body_faces: Shape (K, 3).
     """
 
-    start: np.ndarray
-    error_cm: np.ndarray
-    frames: np.ndarray
-    reference: np.ndarray
-    prediction: np.ndarray
-    garment_faces: np.ndarray
-    body: np.ndarray
-    body_faces: np.ndarray
+    start: Int[np.ndarray, ""]
+    error_cm: Float[np.ndarray, " predicted"]
+    frames: Int[np.ndarray, " drawn"]
+    reference: Float[np.ndarray, "drawn vertices 3"]
+    prediction: Float[np.ndarray, "drawn vertices 3"]
+    garment_faces: Int[np.ndarray, "faces 3"]
+    body: Float[np.ndarray, "drawn body_vertices 3"]
+    body_faces: Int[np.ndarray, "body_faces 3"]
 
 
 def write_excerpt(folder: Path, sequence: Sequence, roll_out: RollOut) -> None:
@@ -63,7 +64,7 @@ def write_excerpt(folder: Path, sequence: Sequence, roll_out: RollOut) -> None:
         np.savez_compressed(file, **vars(excerpt))
 
 
-def frames_drawn(start: int, stop: int) -> np.ndarray:
+def frames_drawn(start: int, stop: int) -> Int[np.ndarray, " drawn"]:
     """Up to `FRAMES_DRAWN` frames, evenly over those from `start` to before `stop`; the last one is among them."""
     return np.unique(np.linspace(start, stop - 1, FRAMES_DRAWN + 1).round().astype(int)[1:])
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 
 from garmentbench.errors import UserError, described
 from garmentbench.method import HISTORY, PARTS, BodyFrame, Clock, History, Method
@@ -40,13 +41,13 @@ class RollOut:
 
     kind: str
     start: int
-    garment: np.ndarray
-    before_collision: np.ndarray | None
-    ms: np.ndarray
+    garment: Float[np.ndarray, "frames vertices 3"]
+    before_collision: Float[np.ndarray, "frames vertices 3"] | None
+    ms: Float[np.ndarray, "frames 3"]
     status: str = OK
     first_bad_frame: int | None = None
     message: str = ""
-    processor_ms: np.ndarray | None = None
+    processor_ms: Float[np.ndarray, " frames"] | None = None
 
     def save(self, path: Path) -> None:
         """Write as HDF5, whole or not at all. Raises `UserError` when it can't be written."""

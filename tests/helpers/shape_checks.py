@@ -8,7 +8,7 @@ from beartype import beartype
 from jaxtyping import AbstractArray
 
 PACKAGE = Path(__file__).parents[2] / "garmentbench"
-CHECKED = ("geometry", "metrics", "simulation", "sequence.py")
+CHECKED = ("evaluation/excerpt.py", "evaluation/rollout.py", "geometry", "metrics", "simulation", "sequence.py")
 
 
 def checked_modules() -> list[str]:

@@ -5,6 +5,7 @@ import subprocess
 import sys
 import time
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ import pytest
 from garmentbench.errors import UserError
 from garmentbench.evaluation.rollout import RollOut, one_step, roll_out
 from garmentbench.evaluation.toy import tiny_sequence
-from garmentbench.method import span
+from garmentbench.method import Clock, span
 
 FRAMES = 12
 BAD = 7
@@ -186,6 +187,24 @@ def test_the_clock_splits_a_step_and_leaves_the_warm_up_out(sequence):
     prepare, predict, collide = np.median(roll.ms[3:], axis=0)
     assert 4 <= prepare < 30 and 8 <= predict < 40 and 12 <= collide < 60
     assert roll.ms[3:, 0].max() < 290
+    assert np.nanmedian(roll.processor_ms) < 5 and np.isnan(roll.processor_ms[:3]).all()  # it only slept
+
+
+def test_processor_time_is_that_of_the_work():
+    """N12: it stands beside wall time, so that other work on the machine shows."""
+    clock = Clock()
+    with clock.running():
+        end = time.process_time() + 0.02
+        while time.process_time() < end:
+            pass
+        time.sleep(0.03)
+    assert 20 <= clock.processor_ms < 30 and clock.ms["predict"] >= 50
+
+
+def test_no_processor_time_with_a_cuda_device_for_which_the_processor_waits(sequence, monkeypatch):
+    cuda = SimpleNamespace(is_initialized=lambda: True, synchronize=lambda: None)
+    monkeypatch.setitem(sys.modules, "torch", SimpleNamespace(cuda=cuda))
+    assert roll_out(Last(), sequence).processor_ms is None
 
 
 def test_garments_before_the_collision_stage_are_kept(sequence):
@@ -214,7 +233,7 @@ def test_a_roll_out_comes_back_as_it_was(sequence, tmp_path, method):
     roll = replace(roll, before_collision=roll.garment + 1)
     roll.save(tmp_path / "roll.h5")
     read = RollOut.load(tmp_path / "roll.h5")
-    for name in ("garment", "before_collision", "ms"):
+    for name in ("garment", "before_collision", "ms", "processor_ms"):
         assert getattr(read, name).tobytes() == getattr(roll, name).tobytes()
     for name in ("kind", "start", "status", "first_bad_frame", "message"):
         assert getattr(read, name) == getattr(roll, name)
