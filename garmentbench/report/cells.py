@@ -25,8 +25,8 @@ def number(value: float, whole: bool = False) -> str:
 
 
 def value_cell(value: Value | None, bold: bool = False, whole: bool = False) -> Cell:
-    """Mean ± interval, and what must be known of it; "diverged" or "failed" where there is no value; both where only some
-    seeds have one."""
+    """Mean ± interval, and what must be known of it; "diverged" or "failed" where there is no value; both where only
+    some seeds have one."""
     if value is None:
         return Cell(ABSENT)
     ended = "; ".join(dict.fromkeys(ending.split(" at ")[0] for ending in value.endings if ending != "ok"))

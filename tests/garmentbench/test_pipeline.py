@@ -103,7 +103,8 @@ def test_the_class_is_called_by_its_name_in_runs_and_tables(files, capsys):
 
 
 def test_what_must_be_known_of_a_number_stands_beside_it(files, capsys):
-    """The reference's own value and uncertainty (N2), a method that reads the reference (N7), a time under load (N12)."""
+    """The reference's own value and uncertainty (N2), a method that reads the reference (N7), a time under load
+    (N12)."""
     test = sequence_file.load(files / "test.h5")
     info = test.info | {"uncertainty": {"cm": 0.25}}
     sequence_file.save(replace(test, info=info), files / "test.h5")
