@@ -58,15 +58,28 @@ class FitRun(Protocol):
 
     def log(self, step: int, **values: float) -> None:
         """Append a line to metrics.jsonl."""
+        ...
 
     def track(self, total: int, label: str, done: int = 0) -> Any:
         """A progress bar as a context manager; call the value it gives once per step done."""
+        ...
 
-    def stage(self, name: str, identity: dict) -> "FitRun":
-        """A sub-run shared by all runs whose `identity` (plain JSON, all that decides the result) is the same.
+    def stage(self, name: str, identity: dict) -> "StageRun":
+        """A sub-run shared by all runs whose `identity` (plain JSON, all that decides the result) is the same."""
+        ...
 
-        It has a `finished` flag and a `finish()`; callers skip the work when it is finished already.
-        """
+
+class StageRun(FitRun, Protocol):
+    """A sub-run; callers skip the work when it is `finished` already."""
+
+    @property
+    def finished(self) -> bool:
+        """Is it complete, from this run or an earlier one?"""
+        ...
+
+    def finish(self) -> None:
+        """All that belongs to it is in its folder."""
+        ...
 
 
 class Method(Protocol):
@@ -97,19 +110,24 @@ class Method(Protocol):
             config: An instance of `Config`.
             run: Where checkpoints and logs go.
         """
+        ...
 
     def save(self, folder: Path) -> None:
         """Write what `load` needs into an existing folder: arrays and JSON, no code."""
+        ...
 
     @classmethod
     def load(cls, folder: Path) -> "Method":
         """Read a trained method back, as data only."""
+        ...
 
     def begin(self, template: Template, history: History) -> Any:
         """State before the first predicted frame. `template` may be another body's than in training."""
+        ...
 
     def step(self, state: Any, body: BodyFrame) -> tuple[np.ndarray, Any]:
         """Garment vertices [m], shape (V, 3), at the frame of `body`, and the new state."""
+        ...
 
 
 class Clock:

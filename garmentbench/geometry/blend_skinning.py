@@ -49,7 +49,8 @@ class Skin:
 
     def blend(self, body: np.ndarray | None) -> np.ndarray:
         """Affine map of each vertex from the canonical pose to that of a body [m], shape (B, 3); shape (V, 3, 4)."""
-        if self.seeds is None:
+        if self.seeds is None or body is None:
+            assert self.seeds is None, "a garment that hangs from seed points needs the body's vertices"
             maps = np.eye(3, 4, dtype=np.float32)[None]
         elif self.upright:
             return np.broadcast_to(root_map(self.seeds, body).astype(np.float32), (len(self.rest), 3, 4))

@@ -30,6 +30,7 @@ def seed_features(seeds: SeedPoints | None, bodies: np.ndarray | None) -> np.nda
     """
     if seeds is None:
         return np.zeros(0)
+    assert bodies is not None, "seed points need the body's vertices"
     root = root_map(seeds, bodies[-1])
     points = (bodies[:, seeds.vertices] - root[:, 3]) @ root[:, :3]  # rows times the turn: its inverse
     return (points - seeds.rest).ravel()

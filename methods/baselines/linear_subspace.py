@@ -86,7 +86,9 @@ class LinearSubspace:
         """The next code, decoded and carried to the present pose [m], shape (V, 3)."""
         with span("prepare"):
             maps = state.skin.blend(body.vertices)
-            bodies = None if state.bodies is None else np.concatenate([state.bodies, body.vertices[None]])
+            bodies = None
+            if state.bodies is not None and body.vertices is not None:
+                bodies = np.concatenate([state.bodies, body.vertices[None]])
             inputs = self.body.encode(seed_features(state.skin.seeds, bodies))
         code = advance(self.dynamics, state.last, state.before, inputs)
         garment = place(maps, state.skin.rest + self.garment.decode(code).reshape(-1, 3)).astype(np.float32)
@@ -99,7 +101,8 @@ def _recorded(sequence: Sequence, seeds: np.ndarray) -> tuple[np.ndarray, np.nda
     skin = Skin.of(sequence.template, len(seeds), seeds, upright_objects=True)
     bodies = [None] * len(sequence) if sequence.body is None else sequence.body
     shapes = [_displacement(skin, b, g) for b, g in zip(bodies, sequence.garment, strict=True)]
-    inputs = [seed_features(skin.seeds, bodies[t - HISTORY : t + 1]) for t in range(HISTORY, len(sequence))]
+    windows = [slice(t - HISTORY, t + 1) for t in range(HISTORY, len(sequence))]
+    inputs = [seed_features(skin.seeds, None if sequence.body is None else sequence.body[w]) for w in windows]
     return np.array(shapes), np.array(inputs)
 
 

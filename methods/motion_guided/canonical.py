@@ -2,6 +2,7 @@
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -85,17 +86,19 @@ class Canonical:
 
     def save(self, path: Path) -> None:
         """Write to an npz file, whole."""
-        seeds = {f"seed_{k}": v for k, v in asdict(self.seeds).items() if v is not None}
-        garment = {k: v for k, v in vars(self).items() if k not in ("seeds", "tables")}
-        tables = {} if self.tables is None else self.tables.arrays()
+        arrays = {f"seed_{k}": v for k, v in asdict(self.seeds).items() if v is not None}
+        arrays |= {k: v for k, v in vars(self).items() if k not in ("seeds", "tables")}
+        arrays |= {} if self.tables is None else self.tables.arrays()
         with written_whole(path) as partial, partial.open("wb") as file:
-            np.savez(file, **garment, **seeds, **tables)
+            np.savez(file, **arrays)
 
     @classmethod
     def load(cls, path: Path) -> "Canonical":
         """Read what `save` wrote."""
         with np.load(path, allow_pickle=False) as z:
-            seeds = {"labels": None} | {k.removeprefix("seed_"): z[k] for k in z.files if k.startswith("seed_")}
+            seeds: dict[str, Any] = {"labels": None} | {
+                k.removeprefix("seed_"): z[k] for k in z.files if k.startswith("seed_")
+            }
             return cls(
                 *(z[k] for k in ("rest", "faces", "uv", "seams")),
                 seeds=SurfaceSeeds(**seeds) if "corners" in seeds else SeedPoints(**seeds),

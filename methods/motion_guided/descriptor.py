@@ -17,6 +17,9 @@ UV_BANDS = 8
 class VertexToMap(nn.Module):
     """Values at V vertices, shape (batch, V, D), to a map, shape (batch, D, S, S), 0 outside the chart."""
 
+    covered: Tensor
+    mask: Tensor
+
     def __init__(self, table: Chart, vertices: int) -> None:
         super().__init__()
         size = table.size

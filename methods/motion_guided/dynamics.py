@@ -19,6 +19,9 @@ class DynamicEncoder(nn.Module):
         pose_path: The option of `Stage2`. The path is solved in closed form and stays as it is, hence no parameter.
     """
 
+    path_weight: Tensor
+    path_bias: Tensor
+
     def __init__(self, options: Model, seeds: int, touches: bool, pose_path: bool) -> None:
         super().__init__()
         self.motion_block = MotionFeatures(seeds if touches else None, options.width)

@@ -100,8 +100,8 @@ def body_frames(
     body: np.ndarray, seeds: SeedPoints | SurfaceSeeds, rotation: str, axes: str, device: torch.device
 ) -> BodyFrames:
     """From body vertices [m], shape (T, B, 3); `rotation` and `axes` are the options of `Model`."""
-    frames_of = surface_frames if isinstance(seeds, SurfaceSeeds) else seed_frames
-    positions, rotations, normals = frames_of(body, seeds)
+    turned = surface_frames(body, seeds) if isinstance(seeds, SurfaceSeeds) else seed_frames(body, seeds)
+    positions, rotations, normals = turned
     if rotation == "normal":
         rotations = smallest_rotations(seeds.frames[..., 2], normals)
     origin = positions.mean(axis=-2, keepdims=True, dtype=np.float64)

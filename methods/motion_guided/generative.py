@@ -28,6 +28,18 @@ class GenerativeModel(nn.Module):
     Positions of a frame, of garment and seeds alike, are in the frame's coordinates (see `frames`).
     """
 
+    rest: Tensor
+    frames: Tensor
+    canonical_seeds: Tensor
+    edge_lengths: Tensor
+    uv: Tensor
+    edges: Tensor
+    part: Tensor
+    mean_garment: Tensor
+    mean_seeds: Tensor
+    space_mean: Tensor
+    space_basis: Tensor
+
     def __init__(self, canonical: Canonical, options: Model) -> None:
         super().__init__()
         self.options = options
@@ -72,7 +84,7 @@ class GenerativeModel(nn.Module):
         self.register_buffer("space_basis", torch.zeros(latent, 3 * vertices))
         self.path = nn.Linear(3 * int(self.to_map.mask.sum()) + 3 * seeds, latent)
         make_faint(self.encoder.linear)
-        make_faint(self.displacement_block.last[1])
+        make_faint(self.displacement_block.to_offset)
 
     def centre_descriptor(self, garments: Tensor, seeds: Tensor) -> None:
         """Set what is taken off the descriptor to its mean over training frames (option `centred_descriptor`)."""

@@ -1,6 +1,7 @@
 """What the dynamic-aware encoder is given: the garment's last state beside the body's present one (section 5)."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import torch
 from torch import Tensor
@@ -35,13 +36,15 @@ class Inputs:
 
     def at(self, chosen: Tensor) -> "Inputs":
         """Some of the frames, by index."""
-        return Inputs(*(None if x is None else x[chosen] for x in vars(self).values()))
+        parts: list[Any] = [None if x is None else x[chosen] for x in vars(self).values()]
+        return Inputs(*parts)
 
     @classmethod
     def joined(cls, parts: list["Inputs"]) -> "Inputs":
         """Inputs of several batches, one after another."""
         columns = zip(*(vars(part).values() for part in parts), strict=True)
-        return cls(*(None if column[0] is None else torch.cat(column) for column in columns))
+        joined: list[Any] = [None if column[0] is None else torch.cat(column) for column in columns]
+        return cls(*joined)
 
 
 @dataclass(frozen=True)

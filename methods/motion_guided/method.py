@@ -96,16 +96,16 @@ class MotionGuided:
         self.canonical.check_fits(template)
         collision = residual = None
         if template.needs.collision_stage and self.config.collision.enabled:
-            collision = CollisionStage(self.canonical, template.body, self.config.collision, self.device)
+            collision = CollisionStage(self.canonical, template.required_body, self.config.collision, self.device)
             residual = Residual.none(self.config.collision.map_size, self.device)
-        return State(history.garments, self._body(history.bodies[-1]), None, collision, residual)
+        return State(history.garments, self._body(_there(history.bodies)[-1]), None, collision, residual)
 
     @torch.no_grad()
     def step(self, state: State, body: BodyFrame) -> tuple[np.ndarray, State]:
         """Garment vertices [m], shape (V, 3), at the frame of `body`. Not finite where the model has blown up."""
         torch.set_flush_denormal(True)
         with span("prepare"):
-            now = self._body(body.vertices)
+            now = self._body(_there(body.vertices))
             inputs = self._inputs(state, now)
         with span("predict"):
             code = self.dynamics(inputs)
@@ -113,10 +113,10 @@ class MotionGuided:
             posed = self.generative.pose(displaced, now.pose.seeds, now.pose.rotations)
             garment = now.world(posed)[0]
         before, residual = (None if state.collision is None else garment), state.residual
-        if state.collision is not None and np.isfinite(garment).all():
+        if state.collision is not None and residual is not None and np.isfinite(garment).all():
             with span("collide"):
                 directions = self.generative.directions(displaced, now.pose.seeds, now.pose.rotations)
-                obstacle = now.local(body.vertices[None])[0].cpu().numpy()
+                obstacle = now.local(_there(body.vertices)[None])[0].cpu().numpy()
                 posed, residual = state.collision.resolve(posed[0], directions[0], obstacle, residual)
                 garment = now.world(posed[None])[0]
         garments = np.concatenate([state.garments[1:], garment[None]])
@@ -124,12 +124,19 @@ class MotionGuided:
 
     def _inputs(self, state: State, now: BodyFrames) -> Inputs:
         on, distance = link(state.body, now), self.config.stage2.force_distance
-        past = past_of(*(state.body.local(garment[None]) for garment in state.garments), on)
+        third, second, last = (state.body.local(garment[None]) for garment in state.garments)
+        past = past_of(third, second, last, on)
         return dynamic_inputs(self.generative, past, state.body.pose, now.pose, on, distance, self.touches)
 
     def _body(self, vertices: np.ndarray) -> BodyFrames:
         options = self.config.model
         return body_frames(vertices[None], self.canonical.seeds, options.seed_rotation, options.axes, self.device)
+
+
+def _there(body: np.ndarray | None) -> np.ndarray:
+    """The body, which the canonical pose has already been checked against."""
+    assert body is not None
+    return body
 
 
 def _device() -> torch.device:

@@ -3,6 +3,7 @@
 import itertools
 import math
 from collections.abc import Sequence
+from typing import cast
 
 import torch
 import torch.nn.functional as F
@@ -83,7 +84,7 @@ class MotionFeatures(nn.Module):
             strength: Interaction-force map, shape (batch, N, H, W).
             normals: Seed normals, shape (batch, N, 3).
         """
-        if self.force is None:
+        if self.force is None or self.force_rest is None:
             return self.both(motion)
         force = self.force_rest(normalise(self.force(strength, normals)))
         return self.both(torch.cat([force, motion], dim=1))
@@ -133,8 +134,18 @@ class DisplacementMLP(nn.Module):
         x = F.leaky_relu(_of_parts(self.first, features, uv), MLP_SLOPE)
         for layer in self.residual:
             x = x + F.leaky_relu(layer(x), MLP_SLOPE)
-        hidden, last = self.last
-        return last(F.leaky_relu(_of_parts(hidden, x, features, uv), MLP_SLOPE))
+        hidden = F.leaky_relu(_of_parts(self.to_hidden, x, features, uv), MLP_SLOPE)
+        return self.to_offset(hidden)
+
+    @property
+    def to_hidden(self) -> nn.Linear:
+        """The last layer but one."""
+        return cast(nn.Linear, self.last[0])
+
+    @property
+    def to_offset(self) -> nn.Linear:
+        """The last layer."""
+        return cast(nn.Linear, self.last[1])
 
 
 def _of_parts(layer: nn.Linear, *parts: Tensor) -> Tensor:

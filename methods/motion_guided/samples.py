@@ -99,7 +99,8 @@ def _sample(garments: list[Tensor], links: list[Link], poses: list[Pose], code: 
     """From four frames' garments, the links between them, and the last two frames' poses."""
     third, second, last, now = garments
     past = past_of(links[1](links[0](third)), links[1](second), last, links[2])
-    return Sample(past, *poses, links[2], now, code, before)
+    earlier, present = poses
+    return Sample(past, earlier, present, links[2], now, code, before)
 
 
 def _turned(on: Link, whole: Tensor) -> Link:

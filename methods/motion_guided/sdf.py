@@ -23,6 +23,9 @@ LOCAL_SPREAD = 0.05  # standard deviation of the points off the surface, in body
 class SignedDistance(nn.Module):
     """Signed distance [m] to a body, negative inside: an MLP with Softplus and a skip, at first near to a sphere's."""
 
+    centre: Tensor
+    radius: Tensor
+
     def __init__(self, options: Sdf) -> None:
         super().__init__()
         self.skip = options.layers // 2
@@ -64,7 +67,7 @@ def _geometric(layer: nn.Linear) -> nn.Linear:
 def surface_samples(template: Template, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Points on the canonical body [m] and their unit normals, shape (count, 3) each; the first half are spread over
     all of the body, the second over what is near to the rest garment."""
-    body = template.body
+    body = template.required_body
     corners = body.rest[body.faces].astype(np.float64)
     area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     near = nearest_vertices(corners.mean(axis=1), template.garment.rest)[0] < NEAR_GARMENT
@@ -99,7 +102,8 @@ def fit_sdf(template: Template, options: Sdf, run: FitRun, device: torch.device)
     """Train SDF_0 of the template's body; its weights go into the run's folder."""
     torch.manual_seed(run.seed)
     network = SignedDistance(options)
-    low, high = template.body.rest.min(axis=0), template.body.rest.max(axis=0)
+    rest = template.required_body.rest
+    low, high = rest.min(axis=0), rest.max(axis=0)
     network.centre.copy_(torch.from_numpy((low + high) / 2))
     network.radius.copy_(torch.tensor(float((high - low).max() / 2)))
     network.to(device)

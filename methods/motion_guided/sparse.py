@@ -14,7 +14,7 @@ class SparseMatrix(nn.Module):
     product that CPU and CUDA share; a gather has a scattering backward, which is slow.
     """
 
-    def __init__(self, matrix: sp.spmatrix, dtype: torch.dtype = torch.float32) -> None:
+    def __init__(self, matrix: sp.csr_matrix, dtype: torch.dtype = torch.float32) -> None:
         super().__init__()
         for name, m in (("rows", sp.csr_matrix(matrix)), ("transpose", sp.csr_matrix(matrix.T))):
             m.sort_indices()

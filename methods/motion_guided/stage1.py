@@ -42,7 +42,9 @@ def training_frames(
     sequences: tuple[Sequence, ...], canonical: Canonical, options: Model, device: torch.device
 ) -> TrainingFrames:
     """Garment and seeds of every frame of the sequences."""
-    bodies = [body_frames(s.body, canonical.seeds, options.seed_rotation, options.axes, device) for s in sequences]
+    bodies = [
+        body_frames(s.body_positions, canonical.seeds, options.seed_rotation, options.axes, device) for s in sequences
+    ]
     garments = [body.local(s.garment) for s, body in zip(sequences, bodies, strict=True)]
     return TrainingFrames(torch.cat(garments), BodyFrames.joined(bodies), tuple(len(s) for s in sequences))
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import torch
 
+from garmentbench.geometry.seeds import SeedPoints
 from garmentbench.method import FitRun
 from garmentbench.methods.motion_guided.canonical import Canonical
 from garmentbench.methods.motion_guided.config import Config
@@ -32,7 +33,8 @@ def train_stages(
         "frames": _digest(array for s in train for array in (*_template_arrays(s.template), s.garment, s.body))
     }
     frames = training_frames(train, canonical, config.model, device)
-    limbs = find_limbs(template.body, canonical.seeds)
+    assert isinstance(canonical.seeds, SeedPoints), "seeds inside triangles are only read, never trained"
+    limbs = find_limbs(template.required_body, canonical.seeds)
     generative = _stage1(frames, canonical, limbs, sdf, config, run, identity)
     touches = template.needs.interaction_force
     return generative, _stage2(frames, generative, limbs, touches, config, run, identity)

@@ -68,6 +68,7 @@ def read_model(
     model = GenerativeModel(canonical, config.model)
     dynamics = DynamicEncoder(config.model, config.model.seeds, touches=True, pose_path=False)
     turn = torch.from_numpy(place.turn)
+    assert canonical.seeds.labels is not None, "read with the seeds"
     load_static(model, first, static, torch.from_numpy(np.unique(canonical.seeds.labels)), turn)
     load_dynamic(dynamics, second, dynamic, turn)
     method = MotionGuided(canonical, config, model.requires_grad_(False), dynamics.requires_grad_(False), touches=True)
@@ -107,7 +108,7 @@ def _told(release: Release, place: Placement, method: MotionGuided) -> list[str]
         f"{sizes.seeds} seeds",
         f"kernel radii [cm]: {radii}",
     ]
-    if any(release.folder.glob("body_RTVN_*")):
+    if isinstance(seeds, SurfaceSeeds) and any(release.folder.glob("body_RTVN_*")):
         told.append(_seed_difference(release, place, seeds))
     if any((release.folder / "uv_body").glob("*_sdf_*.ckp")):
         path = release.body("*_sdf_*.ckp")

@@ -66,7 +66,8 @@ def test_another_body_shape_is_followed_with_the_training_bodys_canonical_pose(t
 
 
 def test_another_garment_is_refused_in_one_line(trained, sequence):
-    garment = replace(sequence.template.garment, rest=sequence.template.garment.rest[:-1])
+    whole = sequence.template.garment
+    garment = replace(whole, rest=whole.rest[:-1], uv=whole.uv[:-1])
     with pytest.raises(UserError, match="trained on a garment of 90 vertices"):
         trained.begin(replace(sequence.template, garment=garment), History.before(sequence, 3))
 

@@ -16,7 +16,8 @@ def test_enlargement_is_torchs(small):
 def test_a_small_map_is_sampled_in_its_enlargement():
     random = np.random.default_rng(0)
     pixels, weights = random.integers(0, 64, (5, 4)), random.random((5, 4))
-    tables = UVTables(Chart(4, *np.zeros((3, 0), int)), pixels, weights, np.zeros((5, 3, 3)))
+    empty = Chart(4, np.zeros(0, int), np.zeros((0, 3), int), np.zeros((0, 3)))
+    tables = UVTables(empty, pixels, weights, np.zeros((5, 3, 3)))
     image = torch.randn(1, 1, 4, 4, dtype=torch.float64)
     large = torch.nn.UpsamplingBilinear2d(scale_factor=2)(image).ravel().numpy()
     expected = (weights * large[pixels]).sum(axis=1)
