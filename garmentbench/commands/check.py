@@ -23,6 +23,7 @@ class Check:
         file: A mesh (.obj, .ply, or a garment's .npz), or a sequence (HDF5).
         picture: Also draw it into this PNG file: a mesh on its body, findings in red, or frame 0 of a sequence.
         body: Say where a mesh starts inside this body: a baked one (base, slim ...), a mesh, or a sequence's.
+        mesh: Which object of an OBJ file is the garment: a name, some with commas between, or all.
         fix: Write the garment, repaired where that is safe, to this .obj or .npz file, and check that.
         units: The mesh's unit, for --fix: m, cm or mm. Not needed where its size tells.
         make_uv: With --fix, make a UV map by xatlas where the mesh's overlaps or folds; a .npz without one gets one.
@@ -32,6 +33,7 @@ class Check:
     file: Positional[Path]
     picture: Path | None = None
     body: str = ""
+    mesh: str = ""
     fix: Path | None = None
     units: str = ""
     make_uv: bool = False
@@ -67,7 +69,7 @@ class Check:
         from garmentbench.importing.mesh_doctor.files import read_mesh, read_wearer, wardrobe_lines
         from garmentbench.importing.mesh_doctor.picture import picture
 
-        mesh, wearer, file = read_mesh(self.file), read_wearer(self.body) if self.body else None, self.file
+        mesh, wearer, file = read_mesh(self.file, self.mesh), read_wearer(self.body) if self.body else None, self.file
         if self.fix is not None:
             self._mend(mesh, wearer)
             mesh, file = read_mesh(self.fix), self.fix

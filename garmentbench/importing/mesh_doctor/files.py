@@ -32,14 +32,17 @@ def is_mesh_file(path: Path) -> bool:
     return path.suffix.lower() in MESH_FILES
 
 
-def read_mesh(path: Path) -> Mesh:
-    """The garment of a mesh or sequence file. Raises `UserError`, one line, for what can't be read at all."""
+def read_mesh(path: Path, prim: str = "") -> Mesh:
+    """The garment of a mesh or sequence file; `prim` says which object of an OBJ file that has several.
+
+    Raises `UserError`, one line, for what can't be read at all.
+    """
     kind = path.suffix.lower()
     if not is_mesh_file(path):
         return mesh_of(sequence_file.load(path, frames=1).template.garment)
     if kind == ".npz":
         return _garment_file(path)
-    return _of_corners(obj.read_template(path) if kind == ".obj" else read_ply(path))
+    return _of_corners(obj.read_template(path, prim) if kind == ".obj" else read_ply(path))
 
 
 def mesh_of(garment: Garment) -> Mesh:
@@ -69,7 +72,7 @@ def read_wearer(which: str) -> Wearer:
         if template.body is None:
             raise UserError(f"{path}: has no body; name another file, or a baked body such as base")
         return of_body(template.body)
-    mesh = read_mesh(path)
+    mesh = read_mesh(path, "all")
     known = unit(mesh.size)
     if known is None or not np.isfinite(mesh.vertices).all():
         raise UserError(f"{path}: the body measures {mesh.size:.3g} across, wanted metres; convert it")

@@ -11,6 +11,29 @@ _WORDS = {
 }
 
 
+def role_of(name: str) -> str | None:
+    """ "garment" or "body", as a mesh's name says; None where it says neither, or both."""
+    found = [role for role, words in _WORDS.items() if re.search(words, name, re.IGNORECASE)]
+    return found[0] if len(found) == 1 else None
+
+
+def choose_part(path: Path, names: list[str], given: str, role: str) -> str:
+    """The object or group of an OBJ file that is meant. It is asked for, since a garment may be of several.
+
+    Raises `UserError` as `choose`.
+    """
+    if given in names:
+        return given
+    option = "--mesh" if role == "garment" else "--body-mesh"
+    listed = ", ".join(n or "(without a name)" for n in names[:8]) + (" ..." if len(names) > 8 else "")
+    if given:
+        raise refusal(
+            path, f"no object is called '{given}' (there are: {listed})", f"give one of these names ({option})"
+        )
+    found = f"holds {len(names)} objects ({listed}), wanted to know which is the {role}"
+    raise refusal(path, found, f"name it, or some of them with commas, or all ({option} NAME)")
+
+
 def choose(path: Path, names: list[str], prim: str, role: str) -> str | None:
     """The full name of the mesh that is meant.
 

@@ -2,11 +2,13 @@
 
 import glob
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from garmentbench.importing.meshes.choosing import choose_part, role_of
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence, checked_faces, refusal
 from garmentbench.importing.meshes.obj_text import ObjMesh, ObjText
 from garmentbench.importing.meshes.polygons import triangulate, what_was_cut
@@ -15,9 +17,21 @@ from garmentbench.storage.atomic import written_whole
 Step = Callable[[], None]
 
 
-def read_template(path: Path) -> MeshSequence:
-    """One OBJ file, as a sequence of one frame. Raises `UserError`, one line, for what can't be used."""
-    return _sequence(path.stem, (path,), ObjText(path).mesh())
+def read_template(path: Path, prim: str = "", role: str = "garment", points: int | None = None) -> MeshSequence:
+    """One OBJ file, as a sequence of one frame.
+
+    Args:
+        path: The file.
+        prim: Which of its objects, where it has several: a name, some with commas between, or "all".
+        role: "garment" or "body": what is looked for.
+        points: The mesh has so many vertices, which may tell the object; None: not known.
+
+    Raises:
+        UserError: One line, for what can't be used, or where it is not clear which object is meant.
+    """
+    mesh = ObjText(path).mesh()
+    kept, notes = _chosen(path, mesh, prim, role, points)
+    return _sequence(path.stem, (path,), _part(mesh, kept), notes=notes)
 
 
 def series(source: str) -> list[Path]:
@@ -36,19 +50,29 @@ def series(source: str) -> list[Path]:
     return files
 
 
-def read_series(files: list[Path], template: Path | None = None, step: Step = lambda: None) -> MeshSequence:
+def read_series(
+    files: list[Path],
+    template: Path | None = None,
+    step: Step = lambda: None,
+    prim: str = "",
+    role: str = "garment",
+) -> MeshSequence:
     """A sequence of OBJ files.
 
     Args:
         files: One a frame, as `series` gives them.
         template: Gives faces, UV and rest positions; by default the first frame does.
         step: Called once a frame.
+        prim, role: Which object, as of `read_template`.
 
     Raises:
         UserError: A file can't be read, or has other vertices or faces than the template.
     """
     mesh = ObjText(template or files[0]).mesh()
-    frames = np.empty((len(files), *mesh.positions.shape), np.float32)
+    kept, notes = _chosen(template or files[0], mesh, prim, role, None)
+    part = _part(mesh, kept)
+    vertices = slice(None) if kept is None else np.unique(mesh.corners[np.repeat(kept, mesh.counts)])
+    frames = np.empty((len(files), *part.positions.shape), np.float32)
     same_text = None  # of the faces, in files known to have the right ones
     for t, file in enumerate(files):
         text = ObjText(file)
@@ -56,12 +80,13 @@ def read_series(files: list[Path], template: Path | None = None, step: Step = la
         if faces != same_text or text.count("v") != len(mesh.positions):
             _refuse_other(file, text.mesh(), template or files[0], mesh)
             same_text = faces
-        frames[t] = text.positions()
+        frames[t] = text.positions()[vertices]
         step()
-    read = _sequence(files[0].parent.name if len(files) > 1 else files[0].stem, tuple(files), mesh, frames)
+    name = files[0].parent.name if len(files) > 1 else files[0].stem
+    read = _sequence(name, tuple(files), part, frames, notes)
     if template is None:
         return read
-    return MeshSequence(**vars(read) | {"rest": mesh.positions, "files": (template, *files)})
+    return MeshSequence(**vars(read) | {"rest": part.positions, "files": (template, *files)})
 
 
 def write_series(folder: Path, mesh: MeshSequence, step: Step = lambda: None) -> list[Path]:
@@ -83,7 +108,56 @@ def write_template(path: Path, mesh: MeshSequence) -> None:
     _write(path, mesh.still, _uv_and_faces(mesh))
 
 
-def _sequence(name: str, files: tuple[Path, ...], mesh: ObjMesh, frames: np.ndarray | None = None) -> MeshSequence:
+def _chosen(
+    path: Path, mesh: ObjMesh, prim: str, role: str, points: int | None
+) -> tuple[np.ndarray | None, tuple[str, ...]]:
+    """Which polygons are meant, shape (P,), None for all of them; and notes on what is left out, or taken as one."""
+    names, of = mesh.objects, mesh.object_of
+    if len(names) < 2 and len(mesh.groups) > 1 and (prim or _are_two_things(mesh.groups)):
+        names, of = mesh.groups, mesh.group_of
+    if len(names) < 2 and not prim:
+        several = f"groups taken as one mesh: {_listed(mesh.groups)}"
+        return None, (several,) if len(mesh.groups) > 1 else ()
+    if prim == "all" or (not prim and points == len(mesh.positions)):
+        return None, (f"objects taken as one mesh: {_listed(names)}",) if len(names) > 1 else ()
+    fits = [k for k in range(len(names)) if len(np.unique(mesh.corners[np.repeat(of == k, mesh.counts)])) == points]
+    if not prim and len(fits) == 1:
+        chosen = fits
+    else:
+        chosen = [names.index(choose_part(path, list(names), word, role)) for word in prim.split(",")]
+    left = [name for k, name in enumerate(names) if k not in chosen]
+    notes = (f"object '{', '.join(names[k] for k in chosen)}' read, left out: {_listed(left)}",) if left else ()
+    return np.isin(of, chosen), notes
+
+
+def _are_two_things(names: tuple[str, ...]) -> bool:
+    """Does one name say garment, and another body?"""
+    return {"garment", "body"} <= {role_of(name) for name in names}
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(name or "(without a name)" for name in names[:8]) + (" ..." if len(names) > 8 else "")
+
+
+def _part(mesh: ObjMesh, kept: np.ndarray | None) -> ObjMesh:
+    """Only some polygons, and the vertices that they use, in their order."""
+    if kept is None or kept.all():
+        return mesh
+    corner = np.repeat(kept, mesh.counts)
+    used, corners = np.unique(mesh.corners[corner], return_inverse=True)
+    uv = None if mesh.corner_uv is None else mesh.corner_uv[corner]
+    return replace(
+        mesh, positions=mesh.positions[used], counts=mesh.counts[kept], corners=corners.ravel(), corner_uv=uv
+    )
+
+
+def _sequence(
+    name: str,
+    files: tuple[Path, ...],
+    mesh: ObjMesh,
+    frames: np.ndarray | None = None,
+    notes: tuple[str, ...] = (),
+) -> MeshSequence:
     try:
         cut = triangulate(mesh.counts, mesh.corners, mesh.positions)
     except ValueError as e:
@@ -91,7 +165,7 @@ def _sequence(name: str, files: tuple[Path, ...], mesh: ObjMesh, frames: np.ndar
     faces = checked_faces(files[0], mesh.corners[cut], len(mesh.positions))
     uv = None if mesh.corner_uv is None else mesh.corner_uv[cut]
     frames = mesh.positions[None] if frames is None else frames
-    return MeshSequence(name, frames, faces, uv, notes=what_was_cut(mesh.counts), files=files)
+    return MeshSequence(name, frames, faces, uv, notes=(*notes, *what_was_cut(mesh.counts)), files=files)
 
 
 def _refuse_other(file: Path, found: ObjMesh, first: Path, wanted: ObjMesh) -> None:

@@ -7,6 +7,7 @@ format has no frames a second; some programs write these there all the same.
 MDD (LightWave's Motion Designer), big endian: int frames, int points, float times [s] of the frames; then frames x
 points x 3 floats."""
 
+import io
 import struct
 from pathlib import Path
 
@@ -52,6 +53,15 @@ def rate_of(path: Path, times: np.ndarray) -> float | None:
         )
         raise refusal(path, found, "export at a constant frame rate")
     return float(round(1 / step, 3))
+
+
+def point_count(path: Path) -> int | None:
+    """Points of a cache, as its header says; None where it is too short to say."""
+    with path.open("rb") if path.is_file() else io.BytesIO() as file:
+        header = file.read(_PC2.size)
+    if header.startswith(_SIGNATURE) and len(header) == _PC2.size:
+        return _PC2.unpack(header)[2]
+    return _MDD.unpack(header[: _MDD.size])[1] if len(header) >= _MDD.size else None
 
 
 _SIGNATURE = b"POINTCACHE2\0"

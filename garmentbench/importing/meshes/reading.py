@@ -6,7 +6,7 @@ from garmentbench.errors import UsageError
 from garmentbench.importing.meshes.arrays import read_npz
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence, refusal
 from garmentbench.importing.meshes.obj import read_series, read_template, series
-from garmentbench.importing.meshes.point_caches import read_mdd, read_pc2
+from garmentbench.importing.meshes.point_caches import point_count, read_mdd, read_pc2
 from garmentbench.progress import track
 
 CACHES = {".pc2": read_pc2, ".mdd": read_mdd}
@@ -38,7 +38,7 @@ def read_meshes(source: str, template: Path | None = None, prim: str = "", role:
     Args:
         source: A file, a folder of OBJ files, or a pattern of such ("out/shirt_*.obj").
         template: OBJ file with faces, UV and rest shape; needed for .pc2 and .mdd.
-        prim: Which mesh of a USD or Alembic file, by its path or the end of it.
+        prim: Which mesh of a USD or Alembic file, by its path or the end of it; which object of an OBJ file or template.
         role: "garment" or "body": which mesh is taken of a file that holds several, where `prim` does not say.
 
     Raises:
@@ -46,19 +46,19 @@ def read_meshes(source: str, template: Path | None = None, prim: str = "", role:
     """
     path = Path(source)
     ending = path.suffix.lower()
-    if prim and ending not in SCENES:
-        raise UsageError(f"{source}: '{prim}' can't be looked up in it; only USD and Alembic files hold several meshes")
+    if prim and ending not in (*SCENES, *CACHES, ".obj") and not path.is_dir():
+        raise UsageError(f"{source}: '{prim}' can't be looked up in it; only USD, Alembic and OBJ hold several meshes")
     if ending in CACHES:
         if template is None:
             do = "give an OBJ file of the same mesh (--template)"
             raise refusal(source, "holds positions only, wanted faces and UV too", do)
-        return CACHES[ending](path, read_template(template))
+        return CACHES[ending](path, read_template(template, prim, role, point_count(path)))
     if ending == ".obj" or path.is_dir():
         files = series(source)
         with track(len(files), f"reading {source}") as step:
-            return read_series(files, template, step)
+            return read_series(files, template, step, prim, role)
     mesh = _read_one(path, ending, prim, role)
-    return mesh if template is None else _with_rest(mesh, read_template(template))
+    return mesh if template is None else _with_rest(mesh, read_template(template, points=mesh.frames.shape[1]))
 
 
 def _read_one(path: Path, ending: str, prim: str, role: str) -> MeshSequence:

@@ -44,7 +44,9 @@ def vertex_uv(mesh: MeshSequence, make_uv: bool = False) -> VertexUV:
         found = "has no UV map" if uv is None else "has a UV map without area"
         raise refusal(where, f"{found}, which the methods need", "unwrap the garment and export UV, or give --make-uv")
     if not np.isfinite(uv).all():
-        raise refusal(where, "has UV coordinates that are NaN or infinite", "unwrap the garment again")
+        bare = int((~np.isfinite(uv).all(axis=2)).any(axis=1).sum())
+        found = f"has no UV, or none that is finite, for {bare} of its {len(uv)} triangles"
+        raise refusal(where, found, "unwrap the garment again and export UV, or give --make-uv")
     uv, notes = _into_unit_square(where, uv.astype(np.float64))
     origin, faces, of_vertex = split_corners(mesh.faces, uv)
     copies = len(origin) - len(np.unique(mesh.faces))

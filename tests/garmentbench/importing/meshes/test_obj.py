@@ -7,6 +7,7 @@ from exchange_example import MESHES
 
 from garmentbench.errors import UserError
 from garmentbench.importing.meshes.obj import read_series, read_template, series, write_series
+from garmentbench.importing.meshes.uv_map import vertex_uv
 
 QUAD = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
 
@@ -60,6 +61,65 @@ def test_dialects(tmp_path, content):
     assert mesh.notes == ("1 quads cut into triangles",)
 
 
+@pytest.mark.parametrize(
+    "content",
+    [
+        "\ufeff" + QUAD + "f 1 2 3 4\n",
+        QUAD.replace("v 1 1 0", "v 1 1 0 # the corner") + "f 1 2 3 4 # all of it\n",
+        QUAD.replace("v 1 1 0", "v 1 1 0 0.5 0.5 0.5") + "f 1 2 3 4\n",  # a colour on one
+        QUAD.replace("v 1 1 0", "v 1 1 0 0.5 0.5 0.5").replace("v 0 0 0", "v 0 0 0 1") + "f 1 2 3 4\n",
+        QUAD + "f 1/ 2/ 3/ 4/\n",
+        QUAD + "f 1// 2// 3// 4//\n",
+        "  " + QUAD.replace("\n", "\n\t") + "f 1 2 3 4\n",
+        QUAD.replace("v 1", "  v 1") + "  f 1 2 3 4\n",
+        (QUAD + "f 1 2 3 4\n").replace("\n", "\r"),
+    ],
+)
+def test_lines_that_others_read_are_read(tmp_path, content):
+    mesh = read_template(text(tmp_path, content))
+    assert mesh.faces.tolist() == [[0, 1, 2], [0, 2, 3]] and mesh.corner_uv is None
+    assert mesh.frames[0].tolist() == [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+
+
+def test_corners_with_and_without_uv(tmp_path):
+    half = read_template(text(tmp_path, QUAD + "vt 0 0\nvt 1 0\nf 1/1 2/2 3/1\nf 1 3 4\n"))
+    assert half.faces.tolist() == [[0, 1, 2], [0, 2, 3]] and np.isnan(half.corner_uv[1]).all()
+    assert half.corner_uv[0].tolist() == [[0, 0], [1, 0], [0, 0]]
+    with pytest.raises(UserError, match="has no UV, or none that is finite, for 1 of its 2 triangles.*--make-uv"):
+        vertex_uv(half)
+    mixed = read_template(text(tmp_path, QUAD + "vt 0 0\nvt 1 0\nvn 0 0 1\nf 1/1 2/2 3/1\nf 1/1/1 3/2/1 4/1/1\n"))
+    assert mixed.corner_uv.tolist() == [[[0, 0], [1, 0], [0, 0]], [[0, 0], [1, 0], [0, 0]]]
+
+
+def test_two_objects_are_asked_for_and_one_is_read(tmp_path):
+    """The second counts on from the first, as in every OBJ file."""
+    second = "o body\nv 0 0 5\nv 1 0 5\nv 1 1 5\nf 5 6 7\n"
+    path = text(tmp_path, "o shirt\n" + QUAD + "f 1 2 3 4\n" + second)
+    with pytest.raises(
+        UserError, match=r"holds 2 objects \(shirt, body\), wanted to know which is the garment.*--mesh"
+    ):
+        read_template(path)
+    with pytest.raises(UserError, match="no object is called 'skirt' .there are: shirt, body"):
+        read_template(path, "skirt")
+    shirt, body, both = (read_template(path, name) for name in ("shirt", "body", "all"))
+    assert shirt.frames.shape == (1, 4, 3) and shirt.notes[0] == "object 'shirt' read, left out: body"
+    assert body.faces.tolist() == [[0, 1, 2]] and body.frames[0, :, 2].tolist() == [5, 5, 5]
+    assert both.frames.shape == (1, 7, 3) and both.notes[0] == "objects taken as one mesh: shirt, body"
+    assert read_template(path, points=3).faces.tolist() == [[0, 1, 2]]  # a cache of three points tells
+    moved = text(tmp_path, path.read_text().replace("v 0 0 5", "v 0 0 6"), "b.obj")
+    assert read_series([path, moved], prim="body").frames[:, 0].tolist() == [[0, 0, 5], [0, 0, 6]]
+
+
+def test_groups_are_one_mesh_unless_they_say_garment_and_body(tmp_path):
+    second = "g {}\nv 0 0 5\nv 1 0 5\nv 1 1 5\nf 5 6 7\n"
+    panels = read_template(text(tmp_path, "g front\n" + QUAD + "f 1 2 3 4\n" + second.format("back")))
+    assert len(panels.faces) == 3 and panels.notes[0] == "groups taken as one mesh: front, back"
+    two = text(tmp_path, "g shirt\n" + QUAD + "f 1 2 3 4\n" + second.format("avatar"))
+    with pytest.raises(UserError, match=r"holds 2 objects \(shirt, avatar\)"):
+        read_template(two)
+    assert len(read_template(two, "avatar", "body").faces) == 1
+
+
 def test_uv_follows_the_corners_through_the_cut(tmp_path):
     mesh = read_template(text(tmp_path, QUAD + "vt 0 0\nvt 0.5 0\nvt 0.5 1\nvt 0 1\n" + "f 1/4 2/3 3/2 4/1\n"))
     assert mesh.corner_uv.tolist() == [[[0, 1], [0.5, 1], [0.5, 0]], [[0, 1], [0.5, 0], [0, 0]]]
@@ -77,7 +137,7 @@ def test_negative_indices_count_from_what_was_listed_so_far(tmp_path):
         ("", "an empty file"),
         ("hello\n", "has no v lines"),
         (QUAD, "has no f lines"),
-        (QUAD.replace("1 1 0", "1 one 0") + "f 1 2 3\n", "line 3 is 'v 1 one 0', wanted numbers"),
+        (QUAD.replace("1 1 0", "1 one 0") + "f 1 2 3\n", "line 3 is 'v 1 one 0', wanted 3 numbers or more"),
         (QUAD.replace("1 1 0", "1 1") + "f 1 2 3\n", "line 3 is 'v 1 1'"),
         (QUAD.replace("1 1 0", "1,0 1,0 0,0") + "f 1 2 3\n", "line 3 is 'v 1,0 1,0 0,0'"),
         (QUAD + "f 1 2 5\n", "line 5 names v 5, there are 4"),
@@ -85,7 +145,7 @@ def test_negative_indices_count_from_what_was_listed_so_far(tmp_path):
         (QUAD + "f 0 1 2\n", "line 5 names v 0"),
         (QUAD + "f 1 2 2.5\n", "line 5 is 'f 1 2 2.5'"),
         (QUAD + "f 1 2\n", "line 5 is 'f 1 2'"),
-        (QUAD + "vt 0 0\nf 1/1 2/1 3/1\nf 1 3 4\n", "line 7 is 'f 1 3 4', wanted corners as before it"),
+        (QUAD + "f 1/1/1/1 2 3\n", "line 5 is 'f 1/1/1/1 2 3'"),
         (QUAD + "vt 0 0\nf 1/1 2/2 3/1\n", "line 6 names vt 2, there are 1"),
         (QUAD + "f 1 2 99999999999999999999\n", "there are 4"),
         (QUAD + "f" + " 1" * 200 + "\n", "face 0 has 200 corners"),

@@ -81,7 +81,7 @@ def test_loose_vertices_are_left_out_and_told():
         (None, "has no UV map, which the methods need; unwrap the garment and export UV, or give --make-uv"),
         (np.zeros_like(WHOLE), "has a UV map without area"),
         (WHOLE * [1, 0], "has a UV map without area"),
-        (WHOLE * np.nan, "NaN or infinite"),
+        (WHOLE * np.nan, "has no UV, or none that is finite"),
         (WHOLE * 1e4, "spans 1e+04 tiles"),
         (WHOLE + np.float32(1e7), "has a UV map without area|spans|wanted"),
     ],
