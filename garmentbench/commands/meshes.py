@@ -26,7 +26,8 @@ class Import:
         template: OBJ file with the garment's faces, UV and rest shape (needed for PC2 and MDD).
         body: The body's file, as for the garment; without it the garment moves alone.
         body_template: OBJ file with the body's faces and rest shape.
-        mesh: Which mesh of a USD or Alembic file is the garment: its path, or the end of it; or which object of an OBJ file.
+        mesh: Which mesh of a USD or Alembic file is the garment: its path, or the end of it; or which object of an
+            OBJ file.
         body_mesh: Which is the body.
         kind: The body is a human, an object such as a stick, or the garment beneath.
         units: m, cm, mm, in or ft.

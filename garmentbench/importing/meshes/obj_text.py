@@ -28,7 +28,8 @@ class ObjMesh:
         positions: Shape (V, 3), float32.
         counts: Corners of each polygon, shape (P,).
         corners: Vertex of each corner, shape (C,).
-        corner_uv: UV of each corner, shape (C, 2), float32, NaN for corners without; None where the file has none at all.
+        corner_uv: UV of each corner, shape (C, 2), float32, NaN for corners without; None where the file has none at
+            all.
         objects, groups: Names of the objects (o lines) and groups (g lines) that have polygons.
         object_of, group_of: Which of these each polygon belongs to, shape (P,).
     """
@@ -104,7 +105,9 @@ class ObjText:
         return ObjMesh(positions, counts, corners, uv, objects, groups, object_of, group_of)
 
     def _parts(self, kind: str) -> tuple[tuple[str, ...], np.ndarray]:
-        """Names of the objects or groups that have faces, and the one of each face; a name that comes again is the same."""
+        """Names of the objects or groups that have faces, and the one of each face; a name that comes again is the
+        same.
+        """
         lines = self._lines[kind]
         at = np.searchsorted(lines, self._lines["f"])
         texts = [self._data[self._starts[k] : self._ends[k]].decode(errors="replace")[1:].strip() for k in lines]
@@ -114,7 +117,9 @@ class ObjText:
         return tuple(used), number[at]
 
     def _table(self, kind: str, width: int) -> np.ndarray:
-        """The first `width` numbers of each line, shape (lines, width), float32; what follows them (weight, colour) is left."""
+        """The first `width` numbers of each line, shape (lines, width), float32; what follows them (weight, colour)
+        is left.
+        """
         count = self.count(kind)
         if not count:
             raise refusal(self.path, f"has no {kind} lines, wanted an OBJ mesh", _AGAIN)

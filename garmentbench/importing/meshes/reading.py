@@ -38,7 +38,8 @@ def read_meshes(source: str, template: Path | None = None, prim: str = "", role:
     Args:
         source: A file, a folder of OBJ files, or a pattern of such ("out/shirt_*.obj").
         template: OBJ file with faces, UV and rest shape; needed for .pc2 and .mdd.
-        prim: Which mesh of a USD or Alembic file, by its path or the end of it; which object of an OBJ file or template.
+        prim: Which mesh of a USD or Alembic file, by its path or the end of it; which object of an OBJ file or
+            template.
         role: "garment" or "body": which mesh is taken of a file that holds several, where `prim` does not say.
 
     Raises:
