@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 
-import numpy as np
 import torch
 
 import garmentbench as gb
@@ -10,13 +9,8 @@ import garmentbench as gb
 
 @dataclass(frozen=True)
 class Config:
-    seeds: int = 60  # body vertices near the garment, from which the motion is read
     codes: int = 16  # principal components of the displacement
     steps: int = 300  # of Adam, each over all training sequences
-
-
-def motion(skin, bodies):  # where the seeds are and were a frame before, at all bodies but the first
-    return torch.tensor(np.array([gb.seed_features(skin.seeds, np.stack(b)) for b in zip(bodies, bodies[1:])])).float()
 
 
 class PoseGRU(torch.nn.Module):
@@ -26,30 +20,24 @@ class PoseGRU(torch.nn.Module):
         super().__init__()
         self.seeds, self.mean, self.basis = map(torch.nn.Buffer, (seeds, mean, basis))
         self.gru, self.head = torch.nn.GRU(6 * len(seeds), 64), torch.nn.Linear(64, len(basis))
-        self.skin_of = gb.SkinOf(len(seeds), seeds.numpy())
 
     @classmethod
     def fit(cls, train, config, run):
         torch.manual_seed(run.seed)
-        seeds = gb.Skin.of(train[0].template, config.seeds).seeds.vertices
-        skins = [gb.Skin.of(s.template, len(seeds), seeds) for s in train]
-        moved = [
-            gb.lift(k.blend(s.body[t]), s.garment[t]) - k.rest for k, s in zip(skins, train) for t in range(1, len(s))
-        ]
-        moved = torch.tensor(np.array(moved)).flatten(1).float()
-        codes, strength, basis = torch.linalg.svd(moved - moved.mean(0), full_matrices=False)
-        basis, weight = (strength[:, None] * basis)[: config.codes], strength[: config.codes] ** 2
-        method = cls(torch.tensor(seeds), moved.mean(0), basis / len(moved) ** 0.5)
-        codes = (codes[:, : config.codes] * len(moved) ** 0.5).split([len(s) - 1 for s in train])
-        inputs, adam = [motion(k, s.body) for k, s in zip(skins, train)], torch.optim.Adam(method.parameters(), 5e-3)
+        seeds = gb.Skin.of(train[0].template, 60).vertices  # points on the body, from which the motion is read
+        pairs = [(gb.Skin.of(s.template, seeds), s) for s in train]
+        moved = torch.cat([torch.tensor(skin.displacement(s.body, s.garment)[1:]).flatten(1) for skin, s in pairs])
+        mean, basis = moved.mean(0), torch.pca_lowrank(moved, config.codes)[2].T
+        method, codes = cls(torch.tensor(seeds), mean, basis), (moved - mean) @ basis.T
+        motions = [torch.tensor(skin.motion(s.body)) for skin, s in pairs]
+        adam = torch.optim.Adam(method.parameters(), lr=5e-3)
         for step in range(config.steps):
-            loss = sum(((method(x)[0] - z) ** 2 @ weight).mean() for x, z in zip(inputs, codes)) / weight.sum()
-            adam.zero_grad(), loss.backward(), adam.step(), run.log(step, loss=loss.item())
+            errors = torch.cat([method.head(method.gru(motion)[0]) for motion in motions]) - codes
+            adam.zero_grad()
+            errors.square().mean().backward()
+            adam.step()
+            run.log(step, error=errors.abs().mean().item())
         return method.requires_grad_(False)
-
-    def forward(self, motion, hidden=None):
-        out, hidden = self.gru(motion, hidden)
-        return self.head(out), hidden
 
     def save(self, folder):
         torch.save(self.state_dict(), folder / "weights.pt")
@@ -62,11 +50,11 @@ class PoseGRU(torch.nn.Module):
         return method
 
     def begin(self, template, history):
-        skin = self.skin_of(template)
-        return skin, history.bodies[-1], self(motion(skin, history.bodies))[1]
+        skin = gb.Skin.of(template, self.seeds.numpy())
+        return skin, history.bodies[-1], self.gru(torch.tensor(skin.motion(history.bodies)))[1]
 
     def step(self, state, body):
         skin, last, hidden = state
-        codes, hidden = self(motion(skin, [last, body.vertices]), hidden)
-        moved = (self.mean + codes[0] @ self.basis).numpy().reshape(-1, 3)
-        return gb.place(skin.blend(body.vertices), skin.rest + moved), (skin, body.vertices, hidden)
+        out, hidden = self.gru(torch.tensor(skin.motion([last, body.vertices])), hidden)
+        moved = (self.mean + self.head(out[0]) @ self.basis).numpy().reshape(-1, 3)
+        return skin.pose(body.vertices, moved), (skin, body.vertices, hidden)

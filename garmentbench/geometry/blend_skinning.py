@@ -1,10 +1,14 @@
-"""Linear blend skinning of a garment by seed points on the body, with fixed weights: what the baselines share."""
+"""Linear blend skinning of a garment by seed points on the body, with fixed weights.
+
+What the baselines share, and what a learned method can take off the garment before it learns the rest.
+"""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from garmentbench.geometry.seed_features import root_map
+from garmentbench.errors import UserError
+from garmentbench.geometry.seed_features import root_map, seed_features
 from garmentbench.geometry.seeds import SeedPoints, seed_frames, seed_points, select_seeds
 from garmentbench.sequence import OBJECT, Template
 
@@ -28,12 +32,14 @@ class Skin:
     upright: bool = False
 
     @classmethod
-    def of(
-        cls, template: Template, count: int, vertices: np.ndarray | None = None, upright_objects: bool = False
-    ) -> "Skin":
-        """A skin of at most `count` seed points, or of given body `vertices`, shape (N,).
+    def of(cls, template: Template, seeds: int | np.ndarray, upright_objects: bool = False) -> "Skin":
+        """The skin of a template.
 
-        With `upright_objects`, a rigid object is taken for its upright root alone.
+        Args:
+            template: Garment and body.
+            seeds: At most so many seed points; or the body vertices to take, shape (N,), as another body of the same
+                mesh has them in its `seeds.vertices`.
+            upright_objects: A rigid object is taken for its upright root alone.
 
         Weights are a softmax over the seeds of -d^2 / (2 radius^2), d between rest garment and rest seed (the blend
         weights of section 4.2 of Zhang et al. 2022, fixed and with one radius).
@@ -41,11 +47,11 @@ class Skin:
         rest, body = template.garment.rest, template.body
         if body is None:
             return cls(None, np.ones((len(rest), 1), np.float32), rest)
-        seeds = select_seeds(template, count) if vertices is None else seed_points(body.rest, body.faces, vertices)
-        squared = np.sum((rest[:, None] - seeds.rest[None]) ** 2, axis=-1)
+        points = select_seeds(template, seeds) if isinstance(seeds, int) else seed_points(body.rest, body.faces, seeds)
+        squared = np.sum((rest[:, None] - points.rest[None]) ** 2, axis=-1)
         kernel = np.exp((squared.min(axis=1, keepdims=True) - squared) / (2 * RADIUS**2))
         upright = upright_objects and body.kind == OBJECT
-        return cls(seeds, (kernel / kernel.sum(axis=1, keepdims=True)).astype(np.float32), rest, upright)
+        return cls(points, (kernel / kernel.sum(axis=1, keepdims=True)).astype(np.float32), rest, upright)
 
     def blend(self, body: np.ndarray | None) -> np.ndarray:
         """Affine map of each vertex from the canonical pose to that of a body [m], shape (B, 3); shape (V, 3, 4)."""
@@ -60,13 +66,47 @@ class Skin:
             maps = np.concatenate([rotation, offset[..., None]], axis=-1)
         return (self.weights @ maps.reshape(-1, 12).astype(np.float32)).reshape(-1, 3, 4)
 
+    @property
+    def vertices(self) -> np.ndarray:
+        """Body vertices of the seeds, shape (N,). Raises `UserError` where there is no body."""
+        if self.seeds is None:
+            raise UserError("this scene has no body that a garment could be described by; take a scene that has one")
+        return self.seeds.vertices
+
+    def displacement(self, body: np.ndarray | None, garment: np.ndarray) -> np.ndarray:
+        """How far a garment on a body is from skinning, in the canonical pose [m], shape of `garment`.
+
+        Args:
+            body: [m], shape (B, 3), or of T frames (T, B, 3); None where there is none.
+            garment: [m], shape (V, 3), or of T frames (T, V, 3).
+        """
+        if garment.ndim == 3:
+            bodies = [None] * len(garment) if body is None else body
+            return np.array([self.displacement(b, g) for b, g in zip(bodies, garment, strict=True)])
+        return lift(self.blend(body), garment) - self.rest
+
+    def pose(self, body: np.ndarray | None, displacement: np.ndarray) -> np.ndarray:
+        """The garment [m], shape (V, 3), that has that `displacement` on that body."""
+        return place(self.blend(body), self.rest + displacement)
+
+    def motion(self, bodies: np.ndarray | list[np.ndarray], frames: int = 2) -> np.ndarray:
+        """What `seed_features` says of every run of `frames` bodies, shape (T - frames + 1, frames * 3 N), float32.
+
+        Args:
+            bodies: T bodies in a row [m], shape (T, B, 3), or a list of them.
+            frames: 1 tells poses, 2 velocities, too.
+        """
+        bodies = np.asarray(bodies)
+        starts = range(len(bodies) - frames + 1)
+        return np.array([seed_features(self.seeds, bodies[t : t + frames]) for t in starts], np.float32)
+
 
 class SkinOf:
     """The skin for a template. It keeps the last one: single steps begin anew at every frame of the same template."""
 
-    def __init__(self, count: int, vertices: np.ndarray | None = None, upright_objects: bool = False) -> None:
-        """count, vertices, upright_objects: as for `Skin.of`."""
-        self.arguments = count, vertices, upright_objects
+    def __init__(self, seeds: int | np.ndarray, upright_objects: bool = False) -> None:
+        """seeds, upright_objects: as for `Skin.of`."""
+        self.arguments = seeds, upright_objects
         self._last: tuple[Template, Skin] | None = None
 
     def __call__(self, template: Template) -> Skin:

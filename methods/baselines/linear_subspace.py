@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from garmentbench.geometry.blend_skinning import Skin, SkinOf, lift, place
+from garmentbench.geometry.blend_skinning import Skin, SkinOf, place
 from garmentbench.geometry.seed_features import seed_features
 from garmentbench.method import HISTORY, BodyFrame, FitRun, History, span
 from garmentbench.methods.baselines.ridge_dynamics import Subspace, advance, fit_dynamics
@@ -49,7 +49,7 @@ class LinearSubspace:
     def __init__(self, seeds: np.ndarray, garment: Subspace, body: Subspace, dynamics: np.ndarray) -> None:
         """seeds: body vertices, shape (N,). dynamics: as `fit_dynamics` gives it."""
         self.seeds, self.garment, self.body, self.dynamics = seeds, garment, body, dynamics
-        self.skin_of = SkinOf(len(seeds), seeds, upright_objects=True)
+        self.skin_of = SkinOf(seeds, upright_objects=True)
 
     @classmethod
     def fit(cls, train: tuple[Sequence, ...], config: Config, run: FitRun) -> "LinearSubspace":
@@ -77,9 +77,8 @@ class LinearSubspace:
     def begin(self, template: Template, history: History) -> State:
         """Encode the last two garments."""
         skin = self.skin_of(template)
-        bodies = [None] * HISTORY if history.bodies is None else history.bodies
-        shapes = [_displacement(skin, b, g) for b, g in zip(bodies[-2:], history.garments[-2:], strict=True)]
-        before, last = self.garment.encode(np.array(shapes))
+        shapes = skin.displacement(history.bodies, history.garments).reshape(HISTORY, -1)
+        _, before, last = self.garment.encode(shapes)
         return State(skin, history.bodies, last, before)
 
     def step(self, state: State, body: BodyFrame) -> tuple[np.ndarray, State]:
@@ -98,14 +97,8 @@ class LinearSubspace:
 def _recorded(sequence: Sequence, seeds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """A sequence's canonical displacements [m], shape (T, 3 V), and its seed features from the fourth frame on, shape
     (T - 3, D)."""
-    skin = Skin.of(sequence.template, len(seeds), seeds, upright_objects=True)
-    bodies = [None] * len(sequence) if sequence.body is None else sequence.body
-    shapes = [_displacement(skin, b, g) for b, g in zip(bodies, sequence.garment, strict=True)]
+    skin = Skin.of(sequence.template, seeds, upright_objects=True)
+    shapes = skin.displacement(sequence.body, sequence.garment)
     windows = [slice(t - HISTORY, t + 1) for t in range(HISTORY, len(sequence))]
     inputs = [seed_features(skin.seeds, None if sequence.body is None else sequence.body[w]) for w in windows]
-    return np.array(shapes), np.array(inputs)
-
-
-def _displacement(skin: Skin, body: np.ndarray | None, garment: np.ndarray) -> np.ndarray:
-    """Canonical displacements from the rest shape [m], shape (3 V,)."""
-    return (lift(skin.blend(body), garment) - skin.rest).ravel()
+    return shapes.reshape(len(sequence), -1), np.array(inputs)

@@ -44,7 +44,7 @@ def typed(capsys, *arguments: str) -> tuple[int, str, list[str]]:
 
 def test_several_training_scenes_are_typed_one_by_one(files, capsys):
     scenes = ("--train-scene", "one.h5", "--train-scene", "two.h5", "--scene", "test.h5")
-    code, out, lines = typed(capsys, "evaluate", "linear_subspace", *scenes, *SMALL)
+    code, _, lines = typed(capsys, "evaluate", "linear_subspace", *scenes, *SMALL)
     assert code == 0, lines
     store = RunStore()
     trained, evaluated = store.list({"kind": "train"})[0], store.list({"kind": "evaluate"})[0]

@@ -155,7 +155,7 @@ class FitWrites(Good):
 class FitTakesOne(Good):
     @classmethod
     def fit(cls, train, config, run):
-        (sequence,) = train
+        (_,) = train
         return cls()
 
 
