@@ -117,7 +117,7 @@ def test_what_must_be_known_of_a_number_stands_beside_it(files, capsys):
     _, out, _ = typed(capsys, "evaluate", "foreign_methods:Waits", *scenes, *SMALL)
     assert "below the reference's uncertainty" not in out
     assert "warning: ms_per_frame, ms_per_frame_p95" in out and "timed under load: wall time is far above" in out
-    run = RunStore().list({"kind": "evaluate", "method": "good"})[-1]
+    run = RunStore().list({"kind": "evaluate", "class": "foreign_methods:Waits"})[0]
     out = typed(capsys, "runs", "--compare", run.id, run.id)[1]
     assert "timed under load" in out
 
