@@ -1,21 +1,19 @@
 """Data cards of all sequences that were used: rows of results.csv, a table of them, a file each."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from garmentbench.evals.experiment import Experiment, Work
 from garmentbench.evaluation.results import Row
 from garmentbench.report.card import FACTS, Card, read_card
 from garmentbench.report.card_text import flaws, markdown
 from garmentbench.report.cells import ABSENT, number
-from garmentbench.report.lines import REFERENCE
+from garmentbench.report.lines import REFERENCE, Frame
 from garmentbench.report.table import NOTICE, Cell, Table
 from garmentbench.scenes.presets import Preset
 from garmentbench.storage.jobs import Failure
 
 if TYPE_CHECKING:
-    import pandas
-
     from garmentbench.report.lines import Results
     from garmentbench.report.page import Section
 
@@ -59,7 +57,7 @@ def card_rows(card: Card) -> list[Row]:
     return [replace(columns, metric=name, value=value, unit=units[name]) for name, value in card.numbers.items()]
 
 
-def cards_in(results: "pandas.DataFrame") -> list[Card]:
+def cards_in(results: Frame) -> list[Card]:
     """The cards of results.csv, training data first, by name."""
     rows = results[results.experiment == DATA]
     names = ("scene", "preset", "split", "garment", "motion", "body")
@@ -67,7 +65,8 @@ def cards_in(results: "pandas.DataFrame") -> list[Card]:
     for _, group in rows.groupby("scene", sort=True):
         first = group.iloc[0]
         numbers = dict(zip(group.metric, group.value.astype(float), strict=True))
-        cards.append(Card(*(str(first[name]) for name in names), numbers, status=str(first.status)))
+        about: dict[str, Any] = {name: str(first[name]) for name in names}
+        cards.append(Card(**about, numbers=numbers, status=str(first.status)))
     return sorted(cards, key=lambda card: (card.split != "train", card.scene))
 
 

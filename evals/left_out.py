@@ -169,6 +169,7 @@ def _few_steps(config: "Config") -> "Config":
 def _as_human(sequence: Sequence) -> Sequence:
     """The same sequence, its object called a human body with parts (bands of vertices)."""
     body = sequence.template.body
+    assert body is not None, "what has no body leaves nothing out for it"
     bands = (np.arange(len(body.rest)) * PARTS // len(body.rest)).astype(np.int8)
     human = replace(body, kind=HUMAN, labels=bands, part_names=tuple(f"part_{k}" for k in range(PARTS)))
     return replace(sequence, template=replace(sequence.template, body=human))

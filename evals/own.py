@@ -5,8 +5,7 @@ In TOML, names as in the commands (scenes may be files beside it, methods "modul
     train = ["tshirt-armspace-75"]
     test = ["tshirt-armspace-90", "tshirt-catwalk"]
     seeds = 3
-    entries = ["skinning", "my_gru:PoseGRU", { method = "motion_guided", variant = "fixed_weights", train_frames = 150
-    }]
+    entries = ["skinning", "my_gru:PoseGRU", { method = "motion_guided", variant = "full", train_frames = 150 }]
 
 In Python `EXPERIMENTS`, a sequence of `Experiment`, most often of `Comparison`.
 """

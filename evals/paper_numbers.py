@@ -71,7 +71,9 @@ PAPER_NUMBERS: list[PaperNumber] = [
 ]
 
 
-def paper_number(garment: str, motion: str, train_frames: int, metric: str, horizon: int) -> PaperNumber | None:
+def paper_number(
+    garment: str, motion: str, train_frames: int | None, metric: str, horizon: int | None
+) -> PaperNumber | None:
     """The paper's number of its full model, or None where it has none."""
     wanted = (garment, motion, train_frames, metric, horizon)
     return next(

@@ -72,8 +72,7 @@ def _compute(
     path: Path,
     all_rows: Callable[[list[Row]], list[Row]],
 ) -> None:
-    """Compute experiments, write their rows and what `all_rows` adds to them into the results.csv at `path`, and
-    report."""
+    """Compute experiments, write what `all_rows` makes of their rows into the results.csv at `path`, and report."""
     require_device(preset)
     experiments = [*chosen, *([] if CARDS in chosen else [CARDS])]  # cards of whatever sequences the others make
     for experiment in experiments:

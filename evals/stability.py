@@ -78,7 +78,7 @@ class Stability(Comparison):
     def measured(self, trial: Trial, run: Run, results: dict[tuple, Any]) -> list[Row]:
         """What a method's roll-out measured, and beside it what only some cases have."""
         rows, plain = super().measured(trial, run, results), results["evaluate", trial.trained, UNSTRESSED]
-        if isinstance(plain, Failure):
+        if isinstance(plain, Failure) or not isinstance(trial.test, Scene):
             return rows
         rolls = [RollOut.load(r.folder / "rollout.h5") for r in (run, RunStore().get(plain))]
         return rows + method_measures(trial.test, results["sequence", trial.test.name], *rolls)

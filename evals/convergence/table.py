@@ -6,14 +6,10 @@ pushed by 1 mm) should be at most a third of the full model's error; the second 
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from garmentbench.report.cells import ABSENT, number, status_cell, value_cell
-from garmentbench.report.lines import Line, Results
+from garmentbench.report.lines import Frame, Line, Results
 from garmentbench.report.table import Cell, Table
-
-if TYPE_CHECKING:
-    import pandas
 
 CONVERGENCE, TRUST = "convergence", "trust"
 CHOSEN, FINEST, ROUNDING = "substeps_x1", "substeps_x8", "start_1um"
@@ -90,7 +86,7 @@ def studies(results: Results) -> list[SceneStudy]:
     return made
 
 
-def _model_error(results: "pandas.DataFrame", scene: str, garment: str) -> tuple[float, str]:
+def _model_error(results: Frame, scene: str, garment: str) -> tuple[float, str]:
     """The full model's error [cm] over the whole roll-out, mean over the seeds, and its scene."""
     rows = results[(results.method == "motion_guided") & (results.variant == "full") & (results.metric == "rollout_l2")]
     rows = rows[(rows.garment == garment) & (rows.split == "test") & rows.value.notna()]

@@ -38,9 +38,9 @@ def fasten(points: np.ndarray, faces: np.ndarray, surface: np.ndarray) -> Held:
 
     surface: vertices [m], shape (B, 3).
     """
-    from scipy.spatial import cKDTree
+    from scipy.spatial import KDTree
 
-    corners = faces[cKDTree(surface[faces].mean(axis=1)).query(points)[1]] if len(points) else np.zeros((0, 3), int)
+    corners = faces[KDTree(surface[faces].mean(axis=1)).query(points)[1]] if len(points) else np.zeros((0, 3), int)
     a, b, c = surface[corners].transpose(1, 0, 2)
     normal, away = np.cross(b - a, c - a), points - a
     area = (normal**2).sum(axis=1)

@@ -1,7 +1,7 @@
 """A fabric in Newton's terms: neo-Hookean triangles and hinges, with the same masses and the stiffness that follows."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -82,12 +82,12 @@ def newton_model(
     for p in np.flatnonzero(fabric.pinned):
         builder.particle_flags[p] = int(builder.particle_flags[p]) & ~int(newton.ParticleFlags.ACTIVE)
     meshes = []
-    for surface in () if obstacle is None else obstacle.surfaces:
-        meshes.append(newton.Mesh(obstacle.positions[0].astype(np.float32), surface.ravel(), compute_inertia=False))
+    for surface, at in [] if obstacle is None else [(s, obstacle.positions[0]) for s in obstacle.surfaces]:
+        meshes.append(newton.Mesh(at.astype(np.float32), surface.ravel(), compute_inertia=False))
         contact = newton.ModelBuilder.ShapeConfig(ke=stiffness, kd=damping, mu=material.friction)
         builder.add_shape_mesh(-1, mesh=meshes[-1], cfg=contact)
     builder.color(include_bending=True)
-    model = builder.finalize(device="cpu")
+    model: Any = builder.finalize(device="cpu")  # whose arrays are all typed as perhaps absent
     model.soft_contact_ke, model.soft_contact_kd, model.soft_contact_mu = stiffness, damping, material.friction
     hinge = vbd.bending * hinge_stiffness(fabric, model.edge_indices.numpy())
     model.edge_bending_properties.assign(np.stack([hinge, material.bend_damping * hinge], axis=1).astype(np.float32))

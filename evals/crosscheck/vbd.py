@@ -9,6 +9,7 @@ shortening as it does lengthening.
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -107,7 +108,8 @@ class _World:
         import warp as wp
 
         self.vbd, self.air, self.mass = vbd, material.air, fabric.mass.astype(np.float32)
-        self.obstacle, self.contacts = obstacle, None
+        self.obstacle = obstacle
+        self.contacts: Any = None
         self.pins = np.flatnonzero(fabric.pinned)
         with wp.ScopedDevice("cpu"):
             self.model, self.meshes = newton_model(fabric, faces, obstacle, material, settings, vbd)
@@ -115,7 +117,8 @@ class _World:
             touches = {"particle_enable_self_contact": True, **near} if settings.self_contact else {}
             self.solver = newton.solvers.SolverVBD(self.model, iterations=vbd.iterations, **touches)
             self.control = self.model.control()
-            self.state, self.next = self.model.state(), self.model.state()
+            self.state: Any = self.model.state()  # whose arrays are all typed as perhaps absent
+            self.next: Any = self.model.state()
             for state in (self.state, self.next):
                 state.particle_q.assign(start.astype(np.float32))
             if obstacle is not None:
@@ -130,8 +133,8 @@ class _World:
         n, wind = self.vbd.substeps, np.zeros(3)
         dt = 1 / fps / n
         if self.obstacle is not None:
-            *ends, wind = self.obstacle.between(frame, np.zeros(3), fps)
-            way = [hermite(*ends, s / n) for s in range(n + 1)]
+            p0, p1, v0, v1, wind = self.obstacle.between(frame, np.zeros(3), fps)
+            way = [hermite(p0, p1, v0, v1, s / n) for s in range(n + 1)]
         with wp.ScopedDevice("cpu"):
             for s in range(n):
                 if self.obstacle is not None:
@@ -143,6 +146,7 @@ class _World:
     def _move_obstacle(self, before: np.ndarray, after: np.ndarray, dt: float) -> None:
         """The obstacle where it is at the end of the substep (VBD is implicit), what it holds, and the contacts
         there."""
+        mesh: Any
         for mesh in self.meshes:
             mesh.points.assign(after.astype(np.float32))
             mesh.velocities.assign(((after - before) / dt).astype(np.float32))

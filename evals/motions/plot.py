@@ -27,7 +27,7 @@ def motions_plot(points: dict[str, tuple[str, np.ndarray]]) -> bytes:
     Args:
         points: Each motion's split ("train", "test") and points, shape (poses, 2).
     """
-    with matplotlib.rc_context(STYLE | {"axes.grid": False}):
+    with matplotlib.rc_context({**STYLE, "axes.grid": False}):
         figure = Figure(figsize=(9, 5.6), layout="constrained")
         axes = figure.subplots()
         for wanted, colours, look in (

@@ -4,7 +4,7 @@ The T-shirt's scenes on the base body, without any cloth.
 """
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -47,7 +47,8 @@ def distribute(preset: Preset) -> str:
                 )
                 step()
             with written_whole(run.folder / POINTS) as partial, partial.open("wb") as file:
-                np.savez_compressed(file, **dict(zip(found, plane, strict=True)))
+                arrays: dict[str, Any] = dict(zip(found, plane, strict=True))
+                np.savez_compressed(file, **arrays)
             run.finish({name: {to: nearest_cm(p, found[to]) for to in TRAINED} for name, p in found.items()})
     return run.id
 

@@ -54,10 +54,11 @@ class Evals:
         choose_device(self.device)
         files = [name for name in self.experiments if is_file(name)]
         if len(files) == len(self.experiments) == 1:
-            return run_file(Path(files[0]), size, self.seeds, self.data_only)
-        if files:
+            run_file(Path(files[0]), size, self.seeds, self.data_only)
+        elif files:
             raise UsageError(f"evals: {files[0]} and others; wanted names of experiments, or one file alone")
-        run(list(self.experiments), size, self.seeds, self.data_only)
+        else:
+            run(list(self.experiments), size, self.seeds, self.data_only)
 
 
 @dataclass(frozen=True)

@@ -17,11 +17,10 @@ from garmentbench.errors import UserError
 from garmentbench.evaluation.results import COLUMNS
 
 if TYPE_CHECKING:
-    import pandas
-
     from garmentbench.evaluation.excerpt import Excerpt
 
 NUMBERS = ("train_frames", "seed", "horizon", "value", "reference_value", "uncertainty", "first_bad_frame")
+Frame = Any  # a pandas.DataFrame, whose types don't follow what is selected from it
 REFERENCE = "reference"  # the method name of the reference simulation's own lines
 ADDED = ("train_scenes", "note")  # columns that an older results.csv lacks
 
@@ -69,7 +68,7 @@ class Line:
     variant: str
     train_scenes: str
     train_frames: int | None
-    rows: "pandas.DataFrame"
+    rows: Frame
     random: bool = False
     label: str = ""
 
@@ -114,7 +113,7 @@ class Results:
         runs_root: The folder of all runs.
     """
 
-    def __init__(self, table: "pandas.DataFrame", runs_root: Path) -> None:
+    def __init__(self, table: Frame, runs_root: Path) -> None:
         self.table, self.runs_root = table, runs_root
         self.excerpt, self.record = cache(self._excerpt), cache(self._record)
 
@@ -130,8 +129,10 @@ class Results:
         keys = ["experiment", "scene", "garment", "motion", "method", "variant", "train_scenes", "train_frames"]
         rows = self.table[self.table.experiment == experiment]
         lines = []
-        for key, group in rows.groupby(keys, dropna=False, sort=True):
-            line = Line(*key[:-1], None if math.isnan(key[-1]) else int(key[-1]), group)
+        for _, group in rows.groupby(keys, dropna=False, sort=True):
+            about = {key: group[key].iloc[0] for key in keys}
+            about["train_frames"] = None if math.isnan(about["train_frames"]) else int(about["train_frames"])
+            line = Line(**about, rows=group)
             trained = next((self.training(run) for run in line.run_ids), {})
             random = trained.get("results", {}).get("random", line.method != REFERENCE)
             lines.append(replace(line, random=random, label=label(line)))
@@ -154,7 +155,7 @@ class Results:
         return read_excerpt(self.runs_root / run)
 
 
-def read_results(path: Path) -> "pandas.DataFrame":
+def read_results(path: Path) -> Frame:
     """Read results.csv. Raises `UserError` where it is missing or not what `garmentbench evals` writes."""
     import pandas
 
@@ -169,7 +170,7 @@ def read_results(path: Path) -> "pandas.DataFrame":
     return table.assign(**{column: table[column].astype(object).fillna("") for column in words})
 
 
-def _value(rows: "pandas.DataFrame", random: bool) -> Value:
+def _value(rows: Frame, random: bool) -> Value:
     finite = rows.value[np.isfinite(rows.value)].to_numpy()
     ended = rows[~np.isfinite(rows.value)]
     return Value(
@@ -192,6 +193,6 @@ def confidence_95(values: np.ndarray) -> float:
     return float(t.ppf(0.975, n - 1) * values.std(ddof=1) / math.sqrt(n))
 
 
-def ending(row: tuple) -> str:
+def ending(row: Any) -> str:
     """How a row's roll-out ended, e.g. "diverged at frame 37"."""
     return row.status if math.isnan(row.first_bad_frame) else f"{row.status} at frame {row.first_bad_frame:.0f}"

@@ -1,7 +1,7 @@
 """The plots: error over frames, and error against run time. SVG, the same bytes every time."""
 
 import io
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import matplotlib
 import numpy as np
@@ -25,7 +25,7 @@ COLOURS = {
 }
 OTHERS = ("#0072b2", "#e69f00", "#000000", "#7b4fb5", "#a6761d", "#1b9e9e", "#e7298a", "#66a61e")
 MARKERS = "osD^vPX*<>"
-STYLE = {
+STYLE: dict[Any, Any] = {
     "svg.hashsalt": "garmentbench",  # else element ids differ from run to run
     "font.size": 10,
     "axes.spines.top": False,

@@ -117,7 +117,7 @@ def command(record: dict[str, Any]) -> str:
     return shlex.join([*words, "--preset", str(identity["preset"])])
 
 
-def loss_curve(path: "Path") -> dict[str, list[float]]:
+def loss_curve(path: "Path") -> dict[str, list[float | None]]:
     """What a training logged, thinned to `POINTS` steps: a list a quantity; NaN where it was not logged."""
     if not path.is_file():
         return {}

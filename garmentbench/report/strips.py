@@ -42,7 +42,7 @@ def frame_strip(lines: list[Line], excerpt: "Callable[[str], Excerpt]") -> bytes
     first = excerpt(lines[0].run_ids[0])
     columns = range(len(first.frames))
     rows: list[list[Shot | None]] = [[Shot(first, k, predicted=False) for k in columns]]
-    rows += [[Shot(excerpt(line.run_ids[0]), k, ending=line.endings[0]) for k in columns] for line in lines]
+    rows.extend([Shot(excerpt(line.run_ids[0]), k, ending=line.endings[0]) for k in columns] for line in lines)
     return _sheet(rows, ["reference", *(line.label for line in lines)], [f"frame {f}" for f in first.frames])
 
 
