@@ -134,5 +134,5 @@ def write_results(path: Path, rows: list[Row]) -> None:
     import pandas
 
     table = pandas.DataFrame(map(vars, with_skill(rows)), columns=COLUMNS).astype(dict.fromkeys(WHOLE, "Int64"))
-    table = table.sort_values([*COLUMNS[1:13], "train_scenes"]).drop_duplicates()
+    table = table.sort_values([*COLUMNS[1:13], "train_scenes", "unit"]).drop_duplicates()
     write_text(path, table.to_csv(index=False, float_format="%.6g"))
