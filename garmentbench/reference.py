@@ -72,8 +72,10 @@ def resolve_source(name: str) -> Source:
 
 
 def check_scene(scene: Scene) -> None:
-    """Raises `UsageError` for a garment, body or motion that does not exist."""
+    """Raises `UserError` for a garment, body or motion that does not exist, or whose file is not as it must be."""
     from garmentbench.motion import STICK, human_motions, stick_motions
+    from garmentbench.motion.clip import read_clip
+    from garmentbench.scenes.bodies import load_body
 
     if scene.mesh is not None:
         scene_garment(scene, MESH_SIZES["smoke"])
@@ -82,7 +84,9 @@ def check_scene(scene: Scene) -> None:
     if scene.body not in (STICK, *body_names()):
         raise unknown_name("body", scene.body, [STICK, *body_names()])
     motions = stick_motions() if scene.body == STICK else human_motions()
-    if scene.motion.file is None and scene.motion.name not in motions:
+    if scene.motion.file is not None:
+        read_clip(Path(scene.motion.file), load_body(scene.body, "small"))
+    elif scene.motion.name not in motions:
         raise unknown_name("motion", scene.motion.name, motions)
 
 

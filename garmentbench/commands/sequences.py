@@ -99,7 +99,7 @@ class Simulate:
             raise UsageError(f"simulate: --frames is {self.frames}; wanted at least 4")
         if self.pins and not own:
             raise UsageError("simulate: --pins says what is pinned of your own mesh; give its file as --garment")
-        clip = self.motion.endswith(".npz")
+        clip = Path(self.motion).suffix != ""
         motion = Motion("clip", file=str(Path(self.motion).resolve())) if clip else Motion(self.motion)
         name = scene_name(garment, garment_name(self.motion) if clip else self.motion, self.body)
         scene = known.entry(garment).worn(Scene(name, garment, self.body, motion, self.split, self.frames))

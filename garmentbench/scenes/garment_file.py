@@ -149,7 +149,7 @@ def _corner(word: str, points: int, uvs: int) -> tuple[int, int]:
 
 def _text(path: Path) -> str:
     try:
-        return path.read_text()
+        return path.read_text("utf-8-sig").replace("\\\n", " ")  # lines may go on
     except OSError as e:
         raise UserError(f"{path}: {e.strerror}; wanted an OBJ mesh") from e
     except UnicodeDecodeError as e:

@@ -75,6 +75,15 @@ def test_pins_are_the_top_a_group_of_faces_or_vertices(tmp_path):
         panels(tmp_path, pins=(3, 8))
 
 
+def test_obj_is_read_as_programs_write_it(tmp_path):
+    """Byte order marks, comments, colours, indented and continued lines, numbers from the end."""
+    vertices = "\ufeffv 0 0 0 1 0 0\n# a\n\tv .1 0 0\nv \\\n.1 0 .1\nv 0 0 .1\nvt 0 0\nvt 1 0\nvt 1 1\n"
+    text = vertices + "f -4/-3/1 -3/-2/1 -2/-1/1 -1/3/1\n"
+    (tmp_path / "odd.obj").write_text(text, "utf-8")
+    garment = read_garment("odd", MeshFile(str(tmp_path / "odd.obj")))
+    assert garment.faces.tolist() == [[0, 1, 2], [0, 2, 3]] and len(garment.rest) == 4
+
+
 def test_a_mesh_without_uv_gets_a_map_and_pins_follow_its_cuts(home):
     garment = read_garment("poncho", MeshFile("poncho.obj", pins="collar"))
     assert garment.uv.min() >= 0 and garment.uv.max() <= 1
@@ -192,6 +201,8 @@ def test_a_garment_file_on_the_command_line_becomes_a_scene_with_a_name(home, ca
         (("--garment", "ponco.obj"), "ponco.obj: No such file"),
         (("--garment", "ponco"), "unknown garment 'ponco'"),
         (("--garment", "poncho.obj", "--motion", "catwlk"), "did you mean 'catwalk'?"),
+        (("--garment", "poncho.obj", "--motion", "walk.npz"), "walk.npz: no such file"),
+        (("--garment", "poncho.obj", "--motion", "body.obj"), "garmentbench import-motion"),
         (("--garment", "poncho.obj", "--body", "tal"), "did you mean 'tall'?"),
         (("--garment", "poncho.obj", "--frames", "2"), "--frames is 2; wanted at least 4"),
         (("--garment", "poncho.obj", "--all"), "give it without names"),

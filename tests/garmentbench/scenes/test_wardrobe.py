@@ -6,13 +6,15 @@ from pathlib import Path
 
 import pytest
 
+from garmentbench import paths
 from garmentbench.cli import main
 from garmentbench.errors import UserError
+from garmentbench.pipeline import choose_method
 from garmentbench.reference import reference_identity
 from garmentbench.scenes.material import Material, Settings
 from garmentbench.scenes.presets import preset
 from garmentbench.scenes.scene import Motion, Scene
-from garmentbench.scenes.wardrobe import load_scene, read_wardrobe, scene_names
+from garmentbench.scenes.wardrobe import load_scene, read_wardrobe, scene_names, wardrobe
 
 BEFORE = json.loads((Path(__file__).parent / "scene_files.json").read_text())  # when all 101 were files
 SCENE = 'garment = "tshirt"\nbody = "base"\nmotion = "catwalk"\nsplit = "test"\nframes = 20\n'
@@ -136,6 +138,28 @@ def test_material_belongs_to_the_garment(tmp_path):
     assert scene.simulation == load_scene("dress-catwalk").simulation
     over = load_scene(write(tmp_path, SCENE.replace("tshirt", "over_skirt")))
     assert over.worn_over == replace(load_scene("dress-catwalk"), frames=20)
+
+
+def test_no_scene_file_could_be_derived():
+    """D15: what a garment is made of stands in one place, and no file repeats what the wardrobe says."""
+    files, grid = {path.stem for path in paths.SCENES.glob("*.toml")}, set(wardrobe().scenes())
+    assert len(files) == 16 and len(grid) == 85 and not files & grid
+    assert sum("bending" in path.read_text() for path in paths.SCENES.glob("*.toml")) == 2  # both change the stiffness
+
+
+def test_a_scene_of_a_recording_is_one_line_with_what_to_do(tmp_path, capsys):
+    (tmp_path / "walk.bvh").write_text("HIERARCHY")
+    file = write(tmp_path, changed("motion", '{name = "clip", file = "walk.bvh"}'))
+    for command in (["scenes", "show", file], ["simulate", file, "--preset", "smoke"]):
+        assert main(command) == 1
+        out, err = capsys.readouterr()
+        assert out == "" and err.count("\n") == 1 and "garmentbench import-motion" in err
+
+
+def test_mesh_and_network_sizes_are_chosen_one_by_one():
+    config = choose_method("motion_guided", "full", preset("smoke", model="laptop")).config
+    assert config == choose_method("motion_guided", "full", preset("laptop")).config
+    assert config != choose_method("motion_guided", "full", preset("smoke")).config
 
 
 def test_presets_are_pairs_and_only_the_mesh_decides_a_reference():
