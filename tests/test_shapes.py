@@ -43,6 +43,6 @@ def test_every_package_that_is_named_has_shapes():
     """A name in `CHECKED` that nothing stands behind, or whose modules state no shape, checks nothing."""
     modules = checked_modules()
     for place in CHECKED:
-        name = f"garmentbench.{place.removesuffix('.py')}"
+        name = f"garmentbench.{place.removesuffix('.py').replace('/', '.')}"
         own = [m for m in modules if m == name or m.startswith(f"{name}.")]
         assert any(hasattr(importlib.import_module(m), kind) for m in own for kind in ("Float", "Int", "Bool")), place
