@@ -1,4 +1,4 @@
-"""What the README shows is what there is."""
+"""What the README and docs/ show is what there is."""
 
 import re
 import subprocess
@@ -41,15 +41,27 @@ def test_the_committed_table_is_the_committed_report_s():
             assert report[line, column] == cell, (line, column)
 
 
-def test_the_files_it_links_to_are_there():
-    for link in re.findall(r"\]\(([^)h][^)]*)\)", README):
-        assert (ROOT / link).is_file(), link
+@pytest.mark.parametrize(
+    "page", ["README.md", "CONTRIBUTING.md", *(f"docs/{p.name}" for p in (ROOT / "docs").glob("*.md"))]
+)
+def test_the_files_it_links_to_are_there(page):
+    for link in re.findall(r"\]\(([^)#h][^)#]*)", (ROOT / page).read_text()):
+        assert ((ROOT / page).parent / link).exists(), link
 
 
 def test_the_example_method_keeps_the_contract(tmp_path, monkeypatch, capsys):
-    code = README.split("```python\n")[1].split("```")[0]
+    code = (ROOT / "docs" / "own-method.md").read_text().split("```python\n")[1].split("```")[0]
     assert len(code.splitlines()) <= 22
     (tmp_path / "my_method.py").write_text(code)
     monkeypatch.syspath_prepend(tmp_path)
     assert main(["check-method", "my_method:Follow"]) == 0, capsys.readouterr()
     sys.modules.pop("my_method")
+
+
+def test_the_front_door_is_small():
+    """A table of at most six columns, and a garment of one's own in at most nine commands."""
+    assert max(line.count("|") for line in README.splitlines() if line.startswith("|")) - 1 <= 6
+    commands = README.split("```sh\n")[1].split("```")[0].splitlines()
+    assert len([line for line in commands if line and not line.startswith("#")]) <= 9
+    own = (ROOT / "docs" / "own-garment.md").read_text()
+    assert README.split("```sh\n")[1].split("```")[0] == own.split("```sh\n")[1].split("```")[0]
