@@ -40,7 +40,7 @@ def runs_section(name: str, lines: list[Line], results: Results) -> Section | No
             identity = record.get("identity", {})
             training = identity.get("trained", "")
             trained = results.training(run)
-            minutes = trained.get("times", {}).get("seconds")
+            seconds = _seconds(trained)
             rows.append(
                 [
                     Cell(line.label),
@@ -48,7 +48,7 @@ def runs_section(name: str, lines: list[Line], results: Results) -> Section | No
                     Cell(str(record.get("seed", 0))),
                     Cell(run),
                     Cell(training),
-                    Cell("" if minutes is None else f"{minutes / 60:.1f}"),
+                    Cell("" if seconds is None else f"{seconds:.0f}"),
                     Cell(_differences(_flat(_config(line, results)), _flat(full.get(line.method, {})))),
                     Cell(command(record)),
                 ]
@@ -59,7 +59,7 @@ def runs_section(name: str, lines: list[Line], results: Results) -> Section | No
         f"runs-{name}",
         "Runs",
         "",
-        ["method", "scene", "seed", "run", "training", "minutes", "configuration, against full", "command"],
+        ["method", "scene", "seed", "run", "training", "trained [s]", "configuration, against full", "command"],
         rows,
         frozenset({0, 1, 3, 4, 6, 7}),
     )
@@ -112,7 +112,7 @@ def command(record: dict[str, Any]) -> str:
     for scene in scenes:
         words += ["--train-scene", scene]
     for option, key in (("scene", "scene"), ("frames", "train_frames"), ("variant", "variant"), ("seed", "seed")):
-        if identity.get(key) is not None:
+        if identity.get(key) not in (None, "full", 0):  # those are what the command takes anyhow
             words += [f"--{option}", str(identity[key])]
     return shlex.join([*words, "--preset", str(identity["preset"])])
 
