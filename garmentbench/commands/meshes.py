@@ -33,7 +33,9 @@ class Import:
         units: m, cm, mm, in or ft.
         up: The axis that points up: x, y, z, or the other way round, e.g. --up=-y.
         fps: Frames a second.
-        frames: Only the first so many.
+        frames: Only the first so many, of those that garment and body both have.
+        same_start: Garment and body begin at the same moment, whatever times or frame numbers their files state.
+        other_template: The template is meant to differ from the frames, as a flat pattern does.
         split: train or test.
         name: Name of the garment in tables; by default the file's.
         body_name: Name of the body in tables.
@@ -56,6 +58,8 @@ class Import:
     name: str = ""
     body_name: str = ""
     make_uv: bool = False
+    same_start: bool = False
+    other_template: bool = False
 
     def run(self) -> None:
         from garmentbench.device import one_thread, quiet_warp
@@ -66,7 +70,16 @@ class Import:
         quiet_warp()
         given = Given(self.units, self.up, self.fps)
         wanted = Wanted(
-            self.out.stem, given, self.split, self.name, self.body_name, self.kind, self.frames, self.make_uv
+            self.out.stem,
+            given,
+            self.split,
+            self.name,
+            self.body_name,
+            self.kind,
+            self.frames,
+            self.make_uv,
+            self.same_start,
+            self.other_template,
         )
         notes = import_files(
             (self.garment, self.template, self.mesh), (self.body, self.body_template, self.body_mesh), wanted, self.out

@@ -16,6 +16,7 @@ from garmentbench.importing.meshes.mesh_sequence import MeshSequence, refusal
 from garmentbench.importing.meshes.point_caches import rate_of
 from garmentbench.importing.meshes.polygons import PolygonFrames, from_polygons
 
+_OTHER_SHAPES = ("Curves", "NuPatch", "Points")
 _AGAIN = "export it again, as Ogawa (not HDF5) Alembic"
 
 
@@ -28,16 +29,21 @@ def read_alembic(path: Path, prim: str, role: str) -> MeshSequence | None:
         raise UserError(f"Alembic needs the package alembic3d; {do}") from e
     try:
         archive = Abc.IArchive(str(path))
-        meshes = dict(_meshes(archive.getTop(), ()))
+        unread: list[str] = []
+        meshes = dict(_meshes(archive.getTop(), (), unread))
+        if not meshes and unread:
+            found = f"has no polygon mesh, wanted one; what it has is not read: {', '.join(unread[:8])}"
+            raise refusal(path, found, "export the meshes with their faces")
         name = choose(path, list(meshes), prim, role)
-        return None if name is None else _mesh(path, name, meshes[name])
+        return None if name is None else _mesh(path, name, meshes[name], unread)
     except (RuntimeError, ValueError, IndexError) as e:  # what Boost.Python makes of Alembic's exceptions
         reason = (str(e).strip() or type(e).__name__).splitlines()[-1]
         raise refusal(path, f"damaged, or no Alembic file ({reason[:120]})", _AGAIN) from e
 
 
-def _meshes(holder: Any, above: tuple) -> Iterator[tuple[str, tuple]]:
-    """Names of all polygon meshes, each with its schema and the transforms above it, outermost first."""
+def _meshes(holder: Any, above: tuple, unread: list[str]) -> Iterator[tuple[str, tuple]]:
+    """Names of all polygon and subdivision meshes, each with its schema and the transforms above it, outermost first;
+    shapes of other kinds are added to `unread`."""
     from alembic3d import Abc, AbcGeom
 
     for header in holder.children:
@@ -45,18 +51,24 @@ def _meshes(holder: Any, above: tuple) -> Iterator[tuple[str, tuple]]:
         child, transforms = Abc.IObject(holder, name), above
         if AbcGeom.IPolyMesh.matches(kind):
             yield child.getFullName(), (AbcGeom.IPolyMesh(holder, name).getSchema(), above)
+        if AbcGeom.ISubD.matches(kind):  # its cage, as other programs read it
+            yield child.getFullName(), (AbcGeom.ISubD(holder, name).getSchema(), above)
+        unread += [f"{name} ({k})" for k in _OTHER_SHAPES if getattr(AbcGeom, f"I{k}").matches(kind)]
         if AbcGeom.IXform.matches(kind):
             transforms = (*above, AbcGeom.IXform(holder, name).getSchema())
-        yield from _meshes(child, transforms)
+        yield from _meshes(child, transforms, unread)
 
 
-def _mesh(path: Path, name: str, found: tuple) -> MeshSequence:
+def _mesh(path: Path, name: str, found: tuple, unread: list[str]) -> MeshSequence:
     schema, transforms = found
     counts = _constant(path, schema.getFaceCountsProperty())
     corners = _constant(path, schema.getFaceIndicesProperty())
     sampling = max((schema, *transforms), key=lambda s: s.getNumSamples())
     length = sampling.getNumSamples()
     times = np.array([sampling.getTimeSampling().getSampleTime(t) for t in range(length)])
+    mirrored = bool(np.linalg.det(_matrix(transforms, float(times[0]))[:3, :3]) < 0)
+    notes = ("its transform mirrors it: the faces are turned with it",) if mirrored else ()
+    notes += (f"not read of this file: {', '.join(unread[:8])}",) if unread else ()
     polygons = PolygonFrames(
         path,
         name.rsplit("/", 1)[-1],
@@ -65,9 +77,10 @@ def _mesh(path: Path, name: str, found: tuple) -> MeshSequence:
         length,
         lambda t: _points(schema, transforms, float(times[t])),
         _corner_uv(schema, corners),
-        clockwise=True,
+        clockwise=not mirrored,
+        notes=notes,
     )
-    return from_polygons(polygons, fps=rate_of(path, times), unit=None, up=None)
+    return from_polygons(polygons, times if length > 1 else None, fps=rate_of(path, times), unit=None, up=None)
 
 
 def _points(schema: Any, transforms: tuple, time: float) -> np.ndarray:
@@ -76,12 +89,20 @@ def _points(schema: Any, transforms: tuple, time: float) -> np.ndarray:
 
     at = Abc.ISampleSelector(time)
     points = np.array(schema.getValue(at).getPositions(), np.float32).reshape(-1, 3)
-    matrix = np.eye(4)
-    for transform in transforms:  # outermost first; rows are images: x M
-        matrix = np.array(transform.getValue(at).getMatrix(), np.float64).reshape(4, 4) @ matrix
+    matrix = _matrix(transforms, time)
     if np.array_equal(matrix, np.eye(4)):
         return points
     return (points.astype(np.float64) @ matrix[:3, :3] + matrix[3, :3]).astype(np.float32)
+
+
+def _matrix(transforms: tuple, time: float) -> np.ndarray:
+    """All transforms together at a time [s], shape (4, 4); rows are images: x M."""
+    from alembic3d import Abc
+
+    at, matrix = Abc.ISampleSelector(time), np.eye(4)
+    for transform in transforms:  # outermost first
+        matrix = np.array(transform.getValue(at).getMatrix(), np.float64).reshape(4, 4) @ matrix
+    return matrix
 
 
 def _constant(path: Path, attribute: Any) -> np.ndarray:

@@ -5,7 +5,8 @@ faces (or triangles)      shape (F, 3), counted from 0
 uv                        shape (V, 2), or (F, 3, 2) by corner; optional
 rest                      shape (V, 3); optional
 pins                      shape (P,), vertices held fast to the body; optional
-fps, metres_per_unit, up  numbers, and "x", "y" or "z" (in HDF5 of fixed length, e.g. numpy.bytes_("z")); optional
+times                     shape (T,), when each frame is [s]; optional
+fps, metres_per_unit, up  numbers, and "x", "y" or "z" (in HDF5 also as attributes of the file); optional
 """
 
 import zipfile
@@ -15,12 +16,13 @@ import h5py
 import numpy as np
 
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence, checked_faces, refusal, size_of
+from garmentbench.importing.meshes.point_caches import rate_of
 from garmentbench.storage import hdf5
 from garmentbench.storage.atomic import written_whole
 from garmentbench.storage.npz import DAMAGED, read_array
 
 _ALIASES = {"vertices": "positions", "triangles": "faces"}
-_SHAPES = {"positions": (None, None, 3), "faces": (None, 3), "rest": (None, 3), "pins": (None,)}
+_SHAPES = {"positions": (None, None, 3), "faces": (None, 3), "rest": (None, 3), "pins": (None,), "times": (None,)}
 _KNOWN = frozenset({*_SHAPES, *_ALIASES, "uv", "fps", "metres_per_unit", "up"})
 _AGAIN = "write it again; garmentbench import --help names the arrays"
 
@@ -51,10 +53,23 @@ def read_hdf5(path: Path) -> MeshSequence:
     try:
         with h5py.File(path, "r", locking=False) as file:
             for name in sorted(_KNOWN & set(file)):
-                arrays[_ALIASES.get(name, name)] = np.asarray(hdf5.dataset(file, name)[()])
+                arrays[_ALIASES.get(name, name)] = _stored(file, name)
+            for name in ("fps", "metres_per_unit", "up"):
+                if name not in arrays and name in file.attrs:
+                    arrays[name] = np.asarray(file.attrs[name])
     except (*hdf5.DAMAGED, TypeError) as e:
         raise refusal(path, f"damaged, or no HDF5 file of a mesh ({hdf5.reason(e)})", _AGAIN) from e
     return _mesh(path, arrays)
+
+
+def _stored(file: h5py.File, name: str) -> np.ndarray:
+    """A dataset's array; a text of variable length, as other programs write it, by its own way."""
+    link = file.get(name, getlink=True)
+    if name == "up" and isinstance(link, h5py.HardLink) and h5py.check_string_dtype(file[name].dtype) is not None:
+        return np.asarray(file[name][()])
+    found = hdf5.dataset(file, name)
+    assert found is not None  # since the name is there
+    return np.asarray(found[()])
 
 
 def write_npz(path: Path, mesh: MeshSequence) -> None:
@@ -89,6 +104,9 @@ def _mesh(path: Path, arrays: dict[str, np.ndarray]) -> MeshSequence:
     pins = arrays.get("pins", np.zeros(0)).astype(np.int32)
     if pins.size and not (pins.min() >= 0 and pins.max() < vertices):
         raise refusal(path, f"pins name vertices up to {pins.max()}, there are {vertices}", _AGAIN)
+    times = arrays["times"].astype(np.float64) if "times" in arrays else None
+    if times is not None and (len(times) != len(arrays["positions"]) or not np.isfinite(times).all()):
+        raise refusal(path, f"times are {len(times)}, positions {len(arrays['positions'])} frames", _AGAIN)
     rest = arrays["rest"].astype(np.float32) if "rest" in arrays else None
     return MeshSequence(
         path.stem,
@@ -96,10 +114,11 @@ def _mesh(path: Path, arrays: dict[str, np.ndarray]) -> MeshSequence:
         faces,
         _corner_uv(path, arrays.get("uv"), faces, vertices),
         rest,
-        _number(path, arrays, "fps"),
+        _number(path, arrays, "fps") or (None if times is None else rate_of(path, times)),
         _number(path, arrays, "metres_per_unit"),
         _up(path, arrays),
-        pins,
+        times,
+        pins=pins,
         files=(path,),
     )
 

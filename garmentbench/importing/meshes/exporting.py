@@ -112,7 +112,7 @@ def meshes_of(sequence: Sequence) -> dict[str, MeshSequence]:
     cloth, body, fps = sequence.template.garment, sequence.template.body, sequence.template.fps
     meshes = {
         "garment": MeshSequence(
-            "garment", sequence.garment, cloth.faces, cloth.uv[cloth.faces], cloth.rest, fps, 1.0, "z", cloth.pins
+            "garment", sequence.garment, cloth.faces, cloth.uv[cloth.faces], cloth.rest, fps, 1.0, "z", pins=cloth.pins
         )
     }
     if body is not None:

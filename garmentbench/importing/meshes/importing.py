@@ -10,7 +10,9 @@ import numpy as np
 from garmentbench import sequence_file
 from garmentbench.errors import UsageError, UserError
 from garmentbench.importing.meshes.conventions import Conventions, Given, find_conventions, unit_name
+from garmentbench.importing.meshes.frame_check import check_frames
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence, refusal
+from garmentbench.importing.meshes.pairing import paired
 from garmentbench.importing.meshes.placing import outward, placed_frames, placed_rest
 from garmentbench.importing.meshes.reading import HDF5, Place, read_both
 from garmentbench.importing.meshes.uv_map import seam_pairs, vertex_uv
@@ -35,6 +37,8 @@ class Wanted:
         garment, body: Names; by default the meshes' own.
         kind: The body is a "human", an "object", or the "garment" beneath.
         frames: Only the first so many; None for all.
+        same_start: Garment and body begin at the same moment, whatever their times say.
+        other_template: Templates are meant to differ from the frames, as a flat pattern does.
         make_uv: Make a new UV map with xatlas.
     """
 
@@ -46,6 +50,8 @@ class Wanted:
     kind: str = HUMAN
     frames: int | None = None
     make_uv: bool = False
+    same_start: bool = False
+    other_template: bool = False
 
 
 def import_files(garment: Place, body: Place, wanted: Wanted, out: Path) -> list[str]:
@@ -83,7 +89,7 @@ def _renamed(sequence: Sequence, body: Place, wanted: Wanted) -> tuple[Sequence,
         raise UsageError(
             "import: a garmentbench sequence says all of itself; only --frames, --split and names go with it"
         )
-    count = _frame_count(len(sequence), None, wanted.frames)
+    count = _frame_count(len(sequence), None, wanted.frames, False)
     garment = replace(template.garment, name=wanted.garment or template.garment.name)
     worn = None if template.body is None else replace(template.body, name=wanted.body or template.body.name)
     info = sequence.info | {"scene": wanted.scene, "split": wanted.split}
@@ -108,10 +114,16 @@ def import_meshes(garment: MeshSequence, body: MeshSequence | None, wanted: Want
 
     Raises `UserError`, one line with advice, for what is unclear, doesn't fit together, or is not finite.
     """
-    found = find_conventions(garment, body, wanted.given, wanted.kind == HUMAN)
-    count = _frame_count(len(garment.frames), None if body is None else len(body.frames), wanted.frames)
+    for mesh in (garment, body):
+        if mesh is not None:
+            check_frames(mesh, wanted.other_template)
+    pair = paired(garment, body, wanted.given.fps, wanted.same_start)
+    garment, body = pair.garment, pair.body
+    found = find_conventions(garment, body, replace(wanted.given, fps=pair.fps), wanted.kind == HUMAN)
+    timed = garment.times is not None or (body is not None and body.times is not None)
+    count = _frame_count(len(garment.frames), None if body is None else len(body.frames), wanted.frames, timed)
     mesh = vertex_uv(garment, wanted.make_uv)
-    notes = [*found.assumed, *_reading_notes(garment), *(f"garment: {note}" for note in mesh.notes)]
+    notes = [*found.assumed, *pair.notes, *_reading_notes(garment), *(f"garment: {note}" for note in mesh.notes)]
     frames = placed_frames(garment, mesh.origin, found.unit[0], found.up[0], count)
     rest, turned = placed_rest(garment, mesh.origin, found.unit[0], found.up[0], frames[0])
     seams = seam_pairs(mesh.origin, mesh.faces, rest, frames)
@@ -148,17 +160,15 @@ def _body(body: MeshSequence, found: Conventions, wanted: Wanted, count: int) ->
     return Body(wanted.body or body.name, rest, faces, kind=wanted.kind), moving, notes
 
 
-def _frame_count(garment: int, body: int | None, asked: int | None) -> int:
+def _frame_count(garment: int, body: int | None, asked: int | None, timed: bool) -> int:
     """How many frames are taken, of so many of the garment and of the body (1: it stands still; None: there is
     none)."""
     if asked is not None and not 1 <= asked <= garment:
         raise UsageError(f"--frames is {asked}; the garment has {garment}")
-    if body in (None, 1, garment) or (asked is not None and asked <= body):
+    if body in (None, 1, garment) or (asked is not None and asked <= body and not timed):
         return asked or garment
-    raise UserError(
-        f"the garment has {garment} frames, the body {body}; export the same frames of both, or give "
-        f"--frames {min(garment, body)} where both begin at the same time"
-    )
+    cut = "" if timed else f", or give --frames {min(garment, body)} where both begin at the same time"
+    raise UserError(f"the garment has {garment} frames, the body {body}; export the same frames of both{cut}")
 
 
 def _reading_notes(mesh: MeshSequence) -> list[str]:

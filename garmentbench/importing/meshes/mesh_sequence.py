@@ -21,6 +21,8 @@ class MeshSequence:
         fps: Frames a second, as the file says; None where it doesn't.
         unit: Metres in one of its units, as the file says; None where it doesn't.
         up: "x", "y" or "z", as the file says; None where it doesn't.
+        times: When each frame is [s], or where `counted` its number, shape (T,); None where the file doesn't say.
+        counted: `times` are numbers of frames, as in PC2 and in names of OBJ files.
         pins: Vertices held fast to the body, shape (P,), int32.
         notes: What was done to it while reading, e.g. "12 quads cut into triangles".
         files: The files that it was read from.
@@ -34,6 +36,8 @@ class MeshSequence:
     fps: float | None = None
     unit: float | None = None
     up: str | None = None
+    times: np.ndarray | None = None
+    counted: bool = False
     pins: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int32))
     notes: tuple[str, ...] = ()
     files: tuple[Path, ...] = ()

@@ -83,7 +83,7 @@ def read_series(
         frames[t] = text.positions()[vertices]
         step()
     name = files[0].parent.name if len(files) > 1 else files[0].stem
-    read = _sequence(name, tuple(files), part, frames, notes)
+    read = replace(_sequence(name, tuple(files), part, frames, notes), times=_numbers(files), counted=True)
     if template is None:
         return read
     return MeshSequence(**vars(read) | {"rest": part.positions, "files": (template, *files)})
@@ -195,6 +195,12 @@ def _refuse_mixed(source: str, files: list[Path]) -> None:
         raise refusal(
             source, f"{before} is followed by {after}: a frame is missing or too many", "export all frames again"
         )
+
+
+def _numbers(files: list[Path]) -> np.ndarray | None:
+    """The frames' numbers in the files' names, shape (T,); None of a single file."""
+    found = [re.search(r"(\d+)$", p.stem) for p in files]
+    return np.array([float(m[1]) for m in found if m]) if len(files) > 1 and None not in found else None
 
 
 def _uv_and_faces(mesh: MeshSequence) -> bytes:

@@ -18,9 +18,16 @@ from garmentbench.storage.atomic import written_whole
 
 
 def with_template(
-    path: Path, frames: np.ndarray, template: MeshSequence, fps: float | None, notes: tuple[str, ...] = ()
+    path: Path,
+    frames: np.ndarray,
+    template: MeshSequence,
+    times: np.ndarray,
+    counted: bool,
+    fps: float | None,
+    notes: tuple[str, ...] = (),
 ) -> MeshSequence:
-    """Cached positions, shape (T, V, 3), on a template's mesh. Raises `UserError` where the vertex counts differ."""
+    """Cached positions, shape (T, V, 3), at some times, on a template's mesh. Raises `UserError` where the vertex
+    counts differ."""
     if frames.shape[1] != len(template.still):
         found = f"has {frames.shape[1]} points, its template {template.files[0]} has {len(template.still)} vertices"
         raise refusal(path, found, "export both from the same mesh, with no modifier between")
@@ -31,6 +38,8 @@ def with_template(
         template.corner_uv,
         template.still,
         fps,
+        times=times,
+        counted=counted,
         notes=(*template.notes, *notes),
         files=(path, *template.files),
     )
@@ -67,7 +76,7 @@ def point_count(path: Path) -> int | None:
 _SIGNATURE = b"POINTCACHE2\0"
 _PC2 = struct.Struct("<12siiffi")
 _AGAIN = "export the cache again"
-_SLOWEST, _FASTEST = 10, 240  # a sample rate in between must be meant as frames a second
+_RATES = (23.976, 24, 25, 29.97, 30, 48, 50, 59.94, 60, 90, 120, 240)  # sampling rates meant as frames a second
 
 
 def read_pc2(path: Path, template: MeshSequence) -> MeshSequence:
@@ -79,20 +88,37 @@ def read_pc2(path: Path, template: MeshSequence) -> MeshSequence:
         raise refusal(path, "no PC2 file, wanted it to begin with POINTCACHE2", _AGAIN)
     if len(header) < _PC2.size:
         raise refusal(path, f"cut off in its header: has {size} bytes, wanted more than {_PC2.size}", _AGAIN)
-    _, version, points, _, rate, samples = _PC2.unpack(header)
+    _, version, points, start, sampling, samples = _PC2.unpack(header)
     if version != 1:
         order = ": its bytes are in big-endian order" if version == 1 << 24 else ""
         raise refusal(path, f"version {version}, wanted 1{order}", "export it little-endian, as PC2 is defined")
     if points <= 0 or samples <= 0:
         raise refusal(path, f"its header says {points} points and {samples} frames, wanted at least 1 of each", _AGAIN)
     wanted = _PC2.size + 12 * points * samples
-    if size != wanted:
+    if size != wanted and size != wanted + 12 * points:
         claim = f"its header ({samples} frames of {points} points) wants {wanted}"
         raise refusal(path, f"has {size} bytes, {claim}: it is damaged or cut off", _AGAIN)
     frames = np.memmap(path, "<f4", "r", _PC2.size, (samples, points, 3))
-    fps = float(rate) if _SLOWEST <= rate <= _FASTEST else None
-    thinned = (f"sampled every {rate:g} frames: --fps is the rate of the samples",) if 1 < rate < _SLOWEST else ()
-    return with_template(path, frames, template, fps, thinned)
+    notes = _surplus(size - wanted)
+    rate = next((float(r) for r in _RATES if abs(sampling - r) < 0.01), None)
+    step = sampling if rate is None and 0 < sampling < 1e6 else 1.0
+    if rate is not None:
+        notes = (
+            *notes,
+            f"its sampling of {sampling:g} is taken as frames a second; give --fps if it means one every so many",
+        )
+    elif step != 1:
+        notes = (
+            *notes,
+            f"its sampling of {sampling:g}: one sample every {sampling:g} frames; --fps is the rate of the samples",
+        )
+    times = (start if np.isfinite(start) else 0.0) + step * np.arange(samples)
+    return with_template(path, frames, template, times, True, rate, notes)
+
+
+def _surplus(size: int) -> tuple[str, ...]:
+    """A note on bytes beyond what a header asks for: one frame, which older exporters write."""
+    return ("one frame more than its header says: left out",) if size else ()
 
 
 def write_pc2(path: Path, mesh: MeshSequence) -> None:
@@ -115,16 +141,17 @@ def read_mdd(path: Path, template: MeshSequence) -> MeshSequence:
     if len(header) < _MDD.size:
         raise refusal(path, f"cut off in its header: has {size} bytes, wanted more than {_MDD.size}", _AGAIN)
     count, points = _MDD.unpack(header)
+    surplus = size - _bytes(count, points)
     if size == _bytes(*struct.unpack("<ii", header)):
         raise refusal(path, "its bytes are in little-endian order, MDD is big-endian", "export it big-endian")
     if count <= 0 or points <= 0:
         raise refusal(path, f"its header says {count} frames and {points} points, wanted at least 1 of each", _AGAIN)
-    if size != _bytes(count, points):
+    if surplus not in (0, 12 * points):
         wanted = f"its header ({count} frames of {points} points) wants {_bytes(count, points)}"
         raise refusal(path, f"has {size} bytes, {wanted}: it is damaged, cut off, or no MDD file", _AGAIN)
     times = np.fromfile(path, ">f4", count, offset=_MDD.size).astype(np.float64)
     frames = np.memmap(path, ">f4", "r", _MDD.size + 4 * count, (count, points, 3))
-    return with_template(path, frames, template, rate_of(path, times))
+    return with_template(path, frames, template, times, False, rate_of(path, times), _surplus(surplus))
 
 
 def write_mdd(path: Path, mesh: MeshSequence) -> None:

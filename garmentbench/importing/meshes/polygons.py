@@ -115,6 +115,7 @@ class PolygonFrames:
         corner_uv: UV of each corner, shape (C, 2); None where there is none.
         clockwise: The polygons are listed clockwise, seen from outside.
         rest: Rest positions, shape (V, 3), or None.
+        notes: What was found and done while reading, for the user.
     """
 
     path: Path
@@ -126,9 +127,12 @@ class PolygonFrames:
     corner_uv: np.ndarray | None
     clockwise: bool = False
     rest: np.ndarray | None = None
+    notes: tuple[str, ...] = ()
 
 
-def from_polygons(mesh: PolygonFrames, fps: float | None, unit: float | None, up: str | None) -> MeshSequence:
+def from_polygons(
+    mesh: PolygonFrames, times: np.ndarray | None, fps: float | None, unit: float | None, up: str | None
+) -> MeshSequence:
     """All of it in memory. Raises `UserError`, one line, where counts don't fit, or a frame has other vertices."""
     first = mesh.points(0)
     if not len(first) or not np.isfinite(first).all():
@@ -153,4 +157,5 @@ def from_polygons(mesh: PolygonFrames, fps: float | None, unit: float | None, up
     rest = mesh.rest if mesh.rest is not None and mesh.rest.shape == first.shape else None
     uv = None if mesh.corner_uv is None else mesh.corner_uv[cut].astype(np.float32)
     faces = mesh.corners[cut].astype(np.int32)
-    return MeshSequence(mesh.name, frames, faces, uv, rest, fps, unit, up, notes=what_was_cut(mesh.counts))
+    notes = (*mesh.notes, *what_was_cut(mesh.counts))
+    return MeshSequence(mesh.name, frames, faces, uv, rest, fps, unit, up, times, notes=notes)

@@ -19,7 +19,7 @@ from garmentbench.importing.meshes.mesh_sequence import MeshSequence, refusal, s
 
 _SECONDS, _SECONDS_A_MB = 30.0, 1.0
 _MEMORY, _MEMORY_A_BYTE = 4 << 30, 8  # the libraries reserve far more addresses than they use
-_ARRAYS = ("frames", "faces", "corner_uv", "rest", "pins")
+_ARRAYS = ("frames", "faces", "corner_uv", "rest", "pins", "times")
 _AGAIN = "export it again, or as a PC2 or OBJ sequence"
 
 

@@ -18,7 +18,7 @@ from garmentbench.importing.meshes.polygons import PolygonFrames, from_polygons
 from garmentbench.storage.atomic import written_whole
 
 if TYPE_CHECKING:
-    from pxr import Usd, UsdGeom, Vt
+    from pxr import Usd, UsdGeom, UsdSkel, Vt
 
 _AGAIN = "export it again"
 _UV_NAMES = ("st", "uv", "UVMap", "st0", "map1")
@@ -29,9 +29,14 @@ def read_usd(path: Path, prim: str, role: str) -> MeshSequence | None:
     Usd, UsdGeom, Tf = _packages()
     try:
         stage = Usd.Stage.Open(str(path))
+        baked = _bake(stage)
         meshes = {str(p.GetPath()): UsdGeom.Mesh(p) for p in stage.Traverse() if p.IsA(UsdGeom.Mesh)}
+        unread = [f"{p.GetName()} ({p.GetTypeName()})" for p in stage.Traverse() if _has_other_shape(p)]
+        if not meshes and unread:
+            found = f"has no polygon mesh, wanted one; what it has is not read: {', '.join(unread[:8])}"
+            raise refusal(path, found, "export the meshes with their faces")
         name = choose(path, list(meshes), prim, role)
-        return None if name is None else _mesh(path, stage, meshes[name])
+        return None if name is None else _mesh(path, stage, meshes[name], baked, unread)
     except Tf.ErrorException as e:
         raise refusal(path, f"damaged, or no USD file ({_reason(e)})", _AGAIN) from e
 
@@ -77,11 +82,49 @@ def _reason(error: Exception) -> str:
     return str(error).strip().splitlines()[0].split(" : '", 1)[-1].rstrip("'")[:120]
 
 
-def _mesh(path: Path, stage: "Usd.Stage", mesh: "UsdGeom.Mesh") -> MeshSequence:
+def _bake(stage: "Usd.Stage") -> set[str]:
+    """Open instances, and turn skeletons' motion into points, on top of the stage; gives the paths of the meshes
+    moved so.
+    """
+    from pxr import Usd, UsdGeom, UsdSkel
+
+    stage.SetEditTarget(stage.GetSessionLayer())
+    while closed := [p for p in stage.Traverse() if p.IsInstance()]:
+        for prim in closed:
+            prim.SetInstanceable(False)
+    skinned = {}
+    for prim in stage.Traverse():
+        if prim.IsA(UsdGeom.Mesh) and UsdSkel.BindingAPI(prim).GetInheritedSkeleton():
+            skinned[str(prim.GetPath())] = UsdGeom.Mesh(prim).GetPointsAttr().GetNumTimeSamples()
+    if skinned:
+        UsdSkel.BakeSkinning(Usd.PrimRange(stage.GetPseudoRoot()))
+    return {
+        p for p, before in skinned.items() if UsdGeom.Mesh.Get(stage, p).GetPointsAttr().GetNumTimeSamples() > before
+    }
+
+
+def _has_other_shape(prim: "Usd.Prim") -> bool:
+    """A shape that is no mesh: curves, points, spheres, instances scattered by a PointInstancer."""
     from pxr import UsdGeom
 
+    return (prim.IsA(UsdGeom.Gprim) and not prim.IsA(UsdGeom.Mesh)) or prim.IsA(UsdGeom.PointInstancer)
+
+
+def _mesh(path: Path, stage: "Usd.Stage", mesh: "UsdGeom.Mesh", baked: set[str], unread: list[str]) -> MeshSequence:
+    from pxr import UsdGeom, UsdSkel
+
     prim = mesh.GetPrim()
-    codes = _time_codes(mesh)
+    skeleton = UsdSkel.BindingAPI(prim).GetInheritedSkeleton()
+    if skeleton and str(prim.GetPath()) not in baked and _is_animated(skeleton):
+        found = f"{prim.GetName()} is moved by the skeleton {skeleton.GetPrim().GetName()}, which could not be applied"
+        raise refusal(path, found, "export it with baked positions, or put both under one SkelRoot")
+    codes, filled = _filled(_time_codes(mesh))
+    notes = [f"moved by its skeleton {skeleton.GetPrim().GetName()}: baked"] if str(prim.GetPath()) in baked else []
+    notes += [filled] if filled else []
+    notes += [f"not read of this file: {', '.join(unread[:8])}"] if unread else []
+    matrix = np.array(mesh.ComputeLocalToWorldTransform(codes[0]))[:3, :3]
+    mirrored = bool(np.linalg.det(matrix) < 0)
+    notes += ["its transform mirrors it: the faces are turned with it"] if mirrored else []
     per_second = stage.GetTimeCodesPerSecond()
     if not 0 < per_second < 1e6:
         raise refusal(path, f"timeCodesPerSecond is {per_second:g}, wanted above 0", _AGAIN)
@@ -95,12 +138,15 @@ def _mesh(path: Path, stage: "Usd.Stage", mesh: "UsdGeom.Mesh") -> MeshSequence:
         len(codes),
         lambda t: _world(mesh, codes[t], mesh.GetPointsAttr().Get(codes[t])),
         _corner_uv(mesh, codes[0], indices),
-        mesh.GetOrientationAttr().Get() == UsdGeom.Tokens.leftHanded,
+        (mesh.GetOrientationAttr().Get() == UsdGeom.Tokens.leftHanded) != mirrored,
         _rest(mesh, codes[0]),
+        tuple(notes),
     )
+    times = np.array(codes) / per_second if len(codes) > 1 else None
     return from_polygons(
         polygons,
-        fps=rate_of(path, np.array(codes) / per_second) if len(codes) > 1 else None,
+        times,
+        fps=None if times is None else rate_of(path, times),
         unit=UsdGeom.GetStageMetersPerUnit(stage) if UsdGeom.StageHasAuthoredMetersPerUnit(stage) else None,
         up=str(UsdGeom.GetStageUpAxis(stage)).lower() if stage.HasAuthoredMetadata("upAxis") else None,
     )
@@ -116,6 +162,28 @@ def _time_codes(mesh: "UsdGeom.Mesh") -> list:
         codes |= set(UsdGeom.Xformable(prim).GetTimeSamples()) if prim.IsA(UsdGeom.Xformable) else set()
         prim = prim.GetParent()
     return sorted(codes) or [Usd.TimeCode.Default()]
+
+
+def _is_animated(skeleton: "UsdSkel.Skeleton") -> bool:
+    from pxr import UsdSkel
+
+    return bool(UsdSkel.BindingAPI(skeleton.GetPrim()).GetInheritedAnimationSource())
+
+
+def _filled(codes: list) -> tuple[list, str]:
+    """Evenly spaced time codes, and a note. USD interpolates between samples, so exporters leave out those in
+    between.
+    """
+    if len(codes) < 3:
+        return codes, ""
+    steps = np.diff(codes)
+    step = float(steps.min())
+    counts = steps / step if step > 0 else steps
+    if np.ptp(steps) <= 0.05 * step or np.abs(counts - counts.round()).max() > 0.05 or counts.sum() > 100_000:
+        return codes, ""  # even, or so uneven that nothing can be filled in
+    every = codes[0] + step * np.arange(round(float(counts.sum())) + 1)
+    note = f"samples at {len(codes)} of {len(every)} times: interpolated in between, as USD does"
+    return [float(c) for c in every], note
 
 
 def _world(mesh: "UsdGeom.Mesh", code: "Usd.TimeCode | float", local: "Vt.Vec3fArray | None") -> np.ndarray:

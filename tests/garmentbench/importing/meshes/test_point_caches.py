@@ -41,12 +41,33 @@ def test_pc2_by_its_published_format(tmp_path, template):
     assert (tmp_path / "b.pc2").read_bytes() == pc2()
 
 
-@pytest.mark.parametrize(("rate", "fps"), [(1.0, None), (2.0, None), (24.0, 24.0), (0.0, None), (float("nan"), None)])
-def test_pc2_says_a_frame_rate_only_where_it_can_be_one(tmp_path, template, rate, fps):
+@pytest.mark.parametrize(
+    ("rate", "fps", "note"),
+    [
+        (1.0, None, None),
+        (2.0, None, "one sample every 2 frames"),
+        (10.0, None, "one sample every 10 frames"),
+        (24.0, 24.0, "taken as frames a second"),
+        (29.97, pytest.approx(29.97), "taken as frames a second"),
+        (0.0, None, None),
+        (float("nan"), None, None),
+    ],
+)
+def test_pc2_says_what_its_sampling_was_taken_for(tmp_path, template, rate, fps, note):
     (tmp_path / "a.pc2").write_bytes(pc2(rate))
     read = read_pc2(tmp_path / "a.pc2", template)
-    assert read.fps == fps
-    assert read.notes == (("sampled every 2 frames: --fps is the rate of the samples",) if rate == 2 else ())
+    assert read.fps == fps and read.counted
+    assert (note is None and read.notes == ()) or (note is not None and note in read.notes[0])
+    np.testing.assert_allclose(np.diff(read.times), rate if note and fps is None else 1)
+
+
+def test_a_frame_more_than_the_header_says_is_left_out(tmp_path, template):
+    frame = MESH.frames[0].astype("<f4").tobytes()
+    (tmp_path / "a.pc2").write_bytes(pc2() + frame)
+    (tmp_path / "a.mdd").write_bytes(mdd() + frame)
+    for read in (read_pc2(tmp_path / "a.pc2", template), read_mdd(tmp_path / "a.mdd", template)):
+        np.testing.assert_array_equal(read.frames, MESH.frames)
+        assert read.notes == ("one frame more than its header says: left out",)
 
 
 def test_mdd_by_its_published_format(tmp_path, template):
