@@ -33,7 +33,7 @@ def unknown_name(kind: str, name: str, known: Iterable[str]) -> UsageError:
     >>> print(unknown_name("scene", "tshirt-armspce-90", ["sheet-stick-a", "tshirt-armspace-90"]))
     unknown scene 'tshirt-armspce-90': did you mean 'tshirt-armspace-90'? Known: tshirt-armspace-90, sheet-stick-a
     """
-    known = sorted(known)
+    known = sorted({*known} - {name})  # nothing is suggested for itself
     near = difflib.get_close_matches(name, known, n=_NAMED, cutoff=0.4)
     named = list(dict.fromkeys([*near, *known]))[:_NAMED]
     hint = f"did you mean '{near[0]}'? " if near else ""

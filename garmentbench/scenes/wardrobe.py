@@ -142,6 +142,8 @@ def wardrobe() -> Wardrobe:
                 raise UserError(f"{path}: {table}.{name} is the suite's name; call yours something else")
     whole = Wardrobe(*({**getattr(suite, table), **entries} for table, entries in vars(own).items()))
     for name, entry in own.garments.items():
+        if entry.mesh is None:
+            raise UserError(f"{path}: garments.{name}.mesh is missing; wanted the garment's file (.npz or .obj)")
         where, beneath = f"{path}: garments.{name}.worn_over", entry.worn_over
         if beneath is not None and beneath not in (known := {*whole.garments, *garment_names()}):
             raise UserError(f"{where}: {unknown_name('garment', beneath, known)}")
@@ -199,9 +201,12 @@ def _beside(path: Path, mesh: MeshFile | None) -> MeshFile | None:
 
 
 def _files() -> dict[str, Path]:
-    """Files of scenes by name, the suite's before the user's."""
-    folders = (paths.own_scenes(), paths.SCENES)
-    return {path.stem: path for folder in folders for path in folder.glob("*.toml")}
+    """Files of scenes by name, the suite's and the user's. Raises `UserError` where both have a name."""
+    suite, own = ({path.stem: path for path in folder.glob("*.toml")} for folder in (paths.SCENES, paths.own_scenes()))
+    for name, path in own.items():
+        if name in suite or name in _suite().scenes():
+            raise UserError(f"{path}: '{name}' is a scene of the suite; rename the file")
+    return suite | own
 
 
 def _from_file(path: Path, outer: str) -> Scene:

@@ -171,8 +171,12 @@ def test_an_entry_of_the_own_wardrobe_makes_the_whole_grid(home, capsys):
         ("[garments.poncho]\nmesh = {pins = 'top 3 cm'}\n", "garments.poncho.mesh: file is missing"),
         ("[garments.poncho]\nmesh = {file = 'a.obj', pins = 3}\n", "garments.poncho.mesh.pins is 3; wanted a text"),
         ("[garments.poncho]\nmesh = {file = 'a.obj', pinz = 3}\n", "did you mean 'pins'?"),
-        ("[garments.poncho]\nworn_over = 'tshrt'\n", "did you mean 'tshirt'?"),
-        ("[garments.cape]\nworn_over = 'over_skirt'\n", "itself worn over 'dress'"),
+        (
+            "[garments.poncho]\nmaterial = {bending = 1e-4}\n",
+            "garments.poncho.mesh is missing; wanted the garment's file",
+        ),
+        ("[garments.poncho]\nmesh = 'a.obj'\nworn_over = 'tshrt'\n", "did you mean 'tshirt'?"),
+        ("[garments.cape]\nmesh = 'a.obj'\nworn_over = 'over_skirt'\n", "itself worn over 'dress'"),
         ("[garments.my-poncho]\n", "a garment is called 'my-poncho'; wanted letters, digits and _"),
     ],
 )
@@ -180,6 +184,14 @@ def test_a_wrong_entry_is_one_line(home, capsys, entry, complaint):
     (home / "wardrobe.toml").write_text(entry)
     code, out, err = typed(capsys, "scenes")
     assert code == 1 and out == "" and err.count("\n") == 1 and "wardrobe.toml: " in err and complaint in err
+
+
+@pytest.mark.parametrize("name", ["dress-catwalk", "stress-far"])
+def test_an_own_scene_never_stands_in_for_one_of_the_suite(home, capsys, name):
+    (home / "scenes").mkdir()
+    (home / "scenes" / f"{name}.toml").write_text('garment = "tshirt"\nbody = "base"\nmotion = "fast"\n')
+    code, _, err = typed(capsys, "scenes", "show", name)
+    assert code == 1 and f"{name}.toml: '{name}' is a scene of the suite; rename the file" in err
 
 
 def test_a_garment_file_on_the_command_line_becomes_a_scene_with_a_name(home, capsys, monkeypatch):
