@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from garmentbench import sequence_file
+from garmentbench.device import device_name
 from garmentbench.evals.comparison import sequence_job
 from garmentbench.evals.experiment import Experiment, Work, about, failed_row, named
 from garmentbench.evaluation.results import Row
@@ -25,6 +26,7 @@ from garmentbench.report.table import Cell, Table
 from garmentbench.scenes.presets import Preset
 from garmentbench.scenes.wardrobe import load_scene
 from garmentbench.sequence import HUMAN, Sequence
+from garmentbench.storage.fingerprint import fingerprint
 from garmentbench.storage.jobs import Failure, Job
 from garmentbench.storage.runs import RunStore
 
@@ -58,9 +60,11 @@ class LeftOut(Experiment):
             found = []
             for scene in scenes:
                 columns = about(self.table, preset, scene, "motion_guided")
-                measured = results[LEFT_OUT, scene.name]
-                failed = isinstance(measured, Failure)
-                found += [failed_row(columns, measured)] if failed else [named(row, columns) for row in measured]
+                made = results[LEFT_OUT, scene.name]
+                if isinstance(made, Failure):
+                    found.append(failed_row(columns, made))
+                else:
+                    found += [named(row, columns) for row in RunStore().get(made).results["rows"]]
             return found
 
         return Work(jobs, rows)
@@ -97,7 +101,21 @@ LEAVING_OUT = LeftOut(
 )
 
 
-def left_out(path: Path, preset: Preset) -> list[Row]:
+def left_out(path: Path, preset: Preset) -> str:
+    """Measure what leaving out saves for a scene, unless that is done; the id of the run, which holds the rows."""
+    identity = {
+        "data": sequence_file.content_hash(path),
+        "preset": preset.name,
+        "code": fingerprint("garmentbench.evals.left_out"),
+        "device": device_name(),
+    }
+    with RunStore().open(LEFT_OUT, identity) as run:
+        if not run.finished:
+            run.finish({"rows": [row.measured for row in measured(path, preset)]})
+    return run.id
+
+
+def measured(path: Path, preset: Preset) -> list[Row]:
     """Rows "left_out:<part>" of a scene: the parameters, MB and ms a frame that each part would have cost.
 
     A scene that needs everything has a row that says so.
