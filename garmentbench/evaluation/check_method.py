@@ -256,7 +256,7 @@ def check_roll_outs_do_not_disturb_each_other(trial: Trial) -> None:
     """State lies in what `begin` and `step` pass on, not in self."""
     sequence, method, outputs = trial.sequence(1.0), trial.trained, []
     history = _history(sequence)
-    moved = History(history.garments + np.float32([0, 0, 0.01]), history.bodies)
+    moved = History(history.garments + np.array([0, 0, 0.01], np.float32), history.bodies)
     try:
         states = [method.begin(sequence.template, h) for h in (history, moved)]
         for t in range(HISTORY, FRAMES):

@@ -70,7 +70,7 @@ class RollOut:
             arrays = [hdf5.dataset(file, name) for name in ("garment", "before_collision", "ms", "processor_ms")]
             garment, before, ms, processor_ms = (None if a is None else a[()] for a in arrays)
             kinds = {"kind": str, "start": int, "status": str, "first_bad_frame": int, "message": str}
-            values = {name: hdf5.attribute(file, name, kind) for name, kind in kinds.items()}
+            values: dict[str, Any] = {name: hdf5.attribute(file, name, kind) for name, kind in kinds.items()}
         if garment is None or ms is None or None in values.values():
             raise UserError(f"{path}: parts of the roll-out are missing; {_REMAKE}")
         if values["first_bad_frame"] < 0:
@@ -169,6 +169,6 @@ def _checked(output: Any, reference: np.ndarray, limit: float) -> np.ndarray:
 def _limit(template: Template) -> float:
     """Beyond this error [m] a prediction has diverged: the height of a human body; where there is none, twice the
     garment's size, since a sheet that stands up instead of hanging down is wrong but whole."""
-    if template.needs.body:
+    if template.body is not None and template.needs.body:
         return float(np.ptp(template.body.rest[:, 2]))
     return 2 * float(np.linalg.norm(np.ptp(template.garment.rest, axis=0)))
