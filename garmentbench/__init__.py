@@ -42,6 +42,7 @@ if TYPE_CHECKING:  # what type checkers and editors see; `_HOME` is what runs, a
     from garmentbench.pipeline import evaluate as evaluate
     from garmentbench.pipeline import train as train
     from garmentbench.pipeline import training_run as training_run
+    from garmentbench.reference import SequenceFile as SequenceFile
     from garmentbench.reference import make_reference as make_reference
     from garmentbench.scenes.presets import Preset as Preset
     from garmentbench.scenes.presets import preset as preset
@@ -85,6 +86,7 @@ _HOME = {
     "evaluate": "pipeline",
     "train": "pipeline",
     "training_run": "pipeline",
+    "SequenceFile": "reference",
     "make_reference": "reference",
     "Preset": "scenes.presets",
     "preset": "scenes.presets",

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
+from jaxtyping import Float
 
 from garmentbench.sequence import Sequence, Template
 
@@ -26,7 +27,7 @@ _current: ContextVar["Clock | None"] = ContextVar("garmentbench_clock", default=
 class BodyFrame:
     """The body at the present frame. vertices: [m], shape (B, 3), float32; None where the scene has no body."""
 
-    vertices: np.ndarray | None
+    vertices: Float[np.ndarray, "body 3"] | None
 
 
 @dataclass(frozen=True)
@@ -36,8 +37,8 @@ class History:
     garments: [m], shape (3, V, 3).   bodies: [m], shape (3, B, 3), or None where the scene has no body.
     """
 
-    garments: np.ndarray
-    bodies: np.ndarray | None
+    garments: Float[np.ndarray, "history vertices 3"]
+    bodies: Float[np.ndarray, "history body 3"] | None
 
     @classmethod
     def before(cls, sequence: Sequence, frame: int) -> "History":
@@ -125,7 +126,7 @@ class Method(Protocol):
         """State before the first predicted frame. `template` may be another body's than in training."""
         ...
 
-    def step(self, state: Any, body: BodyFrame) -> tuple[np.ndarray, Any]:
+    def step(self, state: Any, body: BodyFrame) -> tuple[Float[np.ndarray, "vertices 3"], Any]:
         """Garment vertices [m], shape (V, 3), at the frame of `body`, and the new state."""
         ...
 

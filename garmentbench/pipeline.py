@@ -93,6 +93,11 @@ def choose_method(method: str | type[Method], variant: str, preset: Preset) -> M
         UsageError: The method or the variant is unknown.
     """
     method = load_method(method) if isinstance(method, str) else method
+    if method.__module__ == "__main__":
+        raise UsageError(
+            f"{method.name}: its class has no file that a run could load it from again; write it into my_module.py and "
+            f'name it "my_module:{method.__qualname__}", or call fit, roll_out and score by hand'
+        )
     known = variants(method)
     if variant not in known:
         raise unknown_name(f"variant of {method.name}", variant, list(known))

@@ -109,7 +109,7 @@ class Trial:
     def trained(self) -> Method:
         """The fitted method. Skips the check where there is none, which `check_fit` reports."""
         if isinstance(self.fitted, Exception):
-            raise _SkippedError("fit raised")
+            raise _SkippedError("fit refused the scene" if isinstance(self.fitted, UserError) else "fit raised")
         return self.fitted
 
     @cached_property

@@ -6,6 +6,7 @@ What the baselines share, and what a learned method can take off the garment bef
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from garmentbench.errors import UserError
 from garmentbench.geometry.seed_features import root_map, seed_features
@@ -27,12 +28,12 @@ class Skin:
     """
 
     seeds: SeedPoints | None
-    weights: np.ndarray
-    rest: np.ndarray
+    weights: Float[np.ndarray, "vertices seeds"]
+    rest: Float[np.ndarray, "vertices 3"]
     upright: bool = False
 
     @classmethod
-    def of(cls, template: Template, seeds: int | np.ndarray, upright_objects: bool = False) -> "Skin":
+    def of(cls, template: Template, seeds: int | Int[np.ndarray, " seeds"], upright_objects: bool = False) -> "Skin":
         """The skin of a template.
 
         Args:
@@ -53,7 +54,7 @@ class Skin:
         upright = upright_objects and body.kind == OBJECT
         return cls(points, (kernel / kernel.sum(axis=1, keepdims=True)).astype(np.float32), rest, upright)
 
-    def blend(self, body: np.ndarray | None) -> np.ndarray:
+    def blend(self, body: Float[np.ndarray, "body 3"] | None) -> Float[np.ndarray, "vertices 3 4"]:
         """Affine map of each vertex from the canonical pose to that of a body [m], shape (B, 3); shape (V, 3, 4)."""
         if self.seeds is None or body is None:
             assert self.seeds is None, "a garment that hangs from seed points needs the body's vertices"
@@ -67,13 +68,15 @@ class Skin:
         return (self.weights @ maps.reshape(-1, 12).astype(np.float32)).reshape(-1, 3, 4)
 
     @property
-    def vertices(self) -> np.ndarray:
+    def vertices(self) -> Int[np.ndarray, " seeds"]:
         """Body vertices of the seeds, shape (N,). Raises `UserError` where there is no body."""
         if self.seeds is None:
             raise UserError("this scene has no body that a garment could be described by; take a scene that has one")
         return self.seeds.vertices
 
-    def displacement(self, body: np.ndarray | None, garment: np.ndarray) -> np.ndarray:
+    def displacement(
+        self, body: Float[np.ndarray, "*frames body 3"] | None, garment: Float[np.ndarray, "*frames vertices 3"]
+    ) -> Float[np.ndarray, "*frames vertices 3"]:
         """How far a garment on a body is from skinning, in the canonical pose [m], shape of `garment`.
 
         Args:
@@ -85,11 +88,13 @@ class Skin:
             return np.array([self.displacement(b, g) for b, g in zip(bodies, garment, strict=True)])
         return lift(self.blend(body), garment) - self.rest
 
-    def pose(self, body: np.ndarray | None, displacement: np.ndarray) -> np.ndarray:
+    def pose(
+        self, body: Float[np.ndarray, "body 3"] | None, displacement: Float[np.ndarray, "vertices 3"]
+    ) -> Float[np.ndarray, "vertices 3"]:
         """The garment [m], shape (V, 3), that has that `displacement` on that body."""
         return place(self.blend(body), self.rest + displacement)
 
-    def motion(self, bodies: np.ndarray | list[np.ndarray], frames: int = 2) -> np.ndarray:
+    def motion(self, bodies: np.ndarray | list[np.ndarray], frames: int = 2) -> Float[np.ndarray, "windows features"]:
         """What `seed_features` says of every run of `frames` bodies, shape (T - frames + 1, frames * 3 N), float32.
 
         Args:
@@ -115,11 +120,15 @@ class SkinOf:
         return self._last[1]
 
 
-def place(maps: np.ndarray, canonical: np.ndarray) -> np.ndarray:
+def place(
+    maps: Float[np.ndarray, "vertices 3 4"], canonical: Float[np.ndarray, "vertices 3"]
+) -> Float[np.ndarray, "vertices 3"]:
     """Canonical positions [m], shape (V, 3), carried by affine maps, shape (V, 3, 4)."""
     return np.einsum("vab,vb->va", maps[..., :3], canonical) + maps[..., 3]
 
 
-def lift(maps: np.ndarray, positions: np.ndarray) -> np.ndarray:
+def lift(
+    maps: Float[np.ndarray, "vertices 3 4"], positions: Float[np.ndarray, "vertices 3"]
+) -> Float[np.ndarray, "vertices 3"]:
     """The canonical positions [m], shape (V, 3), that `place` carries to `positions`."""
     return np.linalg.solve(maps[..., :3], (positions - maps[..., 3])[..., None])[..., 0]

@@ -1,11 +1,12 @@
 """The body as its root sees it: what a regression is told of it."""
 
 import numpy as np
+from jaxtyping import Float
 
 from garmentbench.geometry.seeds import SeedPoints
 
 
-def root_map(seeds: SeedPoints, body: np.ndarray) -> np.ndarray:
+def root_map(seeds: SeedPoints, body: Float[np.ndarray, "body 3"]) -> Float[np.ndarray, "3 4"]:
     """Rigid map from the canonical pose to the root of a body [m], shape (B, 3), as a matrix of shape (3, 4).
 
     The root is where the seeds' mean has gone, turned about the vertical as they have turned on the whole (by least
@@ -19,7 +20,9 @@ def root_map(seeds: SeedPoints, body: np.ndarray) -> np.ndarray:
     return np.concatenate([turn, (now - turn @ start)[:, None]], axis=1)
 
 
-def seed_features(seeds: SeedPoints | None, bodies: np.ndarray | None) -> np.ndarray:
+def seed_features(
+    seeds: SeedPoints | None, bodies: Float[np.ndarray, "frames body 3"] | None
+) -> Float[np.ndarray, " features"]:
     """Seed points in the last frame's root, less their rest places, shape (H * 3 N,).
 
     So it does not matter where the body stands and which way it faces, but it does how it moves and leans.

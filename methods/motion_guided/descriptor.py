@@ -5,6 +5,7 @@ import math
 import numpy as np
 import scipy.sparse as sp
 import torch
+from jaxtyping import Float
 from torch import Tensor, nn
 
 from garmentbench.geometry.uvmap import Chart
@@ -32,10 +33,10 @@ class VertexToMap(nn.Module):
         self.matrix = SparseMatrix(matrix)
         self.register_buffer("mask", torch.from_numpy(mask.reshape(size, size)), persistent=False)
 
-    def forward(self, values: Tensor) -> Tensor:
+    def forward(self, values: Float[Tensor, "batch vertices channels"]) -> Float[Tensor, "batch channels size size"]:
         return self.matrix(values).transpose(1, 2).unflatten(-1, (self.size, self.size))
 
-    def pixels(self, values: Tensor) -> Tensor:
+    def pixels(self, values: Float[Tensor, "batch vertices channels"]) -> Float[Tensor, "batch pixels channels"]:
         """The same in the chart's P pixels only, shape (batch, P, D)."""
         return self.matrix(values)[:, self.covered]
 
@@ -47,11 +48,16 @@ class MapToVertex(nn.Module):
         super().__init__()
         self.matrix = SparseMatrix(sampling)
 
-    def forward(self, values: Tensor) -> Tensor:
+    def forward(self, values: Float[Tensor, "batch channels size size"]) -> Float[Tensor, "batch vertices channels"]:
         return self.matrix(values.flatten(2).transpose(1, 2))
 
 
-def force_strength(garment: Tensor, seeds: Tensor, normals: Tensor, distance_to: Tensor | None = None) -> Tensor:
+def force_strength(
+    garment: Float[Tensor, "batch vertices 3"],
+    seeds: Float[Tensor, "batch seeds 3"],
+    normals: Float[Tensor, "batch seeds 3"],
+    distance_to: Float[Tensor, "batch seeds 3"] | None = None,
+) -> Float[Tensor, "batch vertices seeds"]:
     """Signed size s_ij of the interaction force f_ij = s_ij n_j, shape (batch, V, N) (section 5).
 
     s_ij = exp(-|g_{t-1,i} - b_tj|^2 / (2 sigma^2)) Relu(-q_ij), q_ij = (g_{t-1,i} - b_tj) . n_tj.
@@ -68,7 +74,7 @@ def force_strength(garment: Tensor, seeds: Tensor, normals: Tensor, distance_to:
     return torch.exp(-squared / (2 * FORCE_REACH**2)) * torch.relu(depth)
 
 
-def uv_encoding(uv: Tensor) -> Tensor:
+def uv_encoding(uv: Float[Tensor, "vertices 2"]) -> Float[Tensor, "vertices 32"]:
     """Positional encoding of (u, v) * 256, shape (V, 32); per band sin u, sin v, cos u, cos v.
 
     Args:

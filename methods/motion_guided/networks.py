@@ -7,6 +7,7 @@ from typing import cast
 
 import torch
 import torch.nn.functional as F
+from jaxtyping import Float
 from torch import Tensor, nn
 
 from garmentbench.methods.motion_guided.first_layers import ForceConv, RelativeConv
@@ -63,7 +64,12 @@ class GeometryFeatures(nn.Module):
         self.first = RelativeConv(seeds, 4 * width)
         self.rest = ConvStack([4 * width, 2 * width, width, width])
 
-    def forward(self, positions: Tensor, mask: Tensor, seeds: Tensor) -> Tensor:
+    def forward(
+        self,
+        positions: Float[Tensor, "batch 3 size size"],
+        mask: Float[Tensor, "size size"],
+        seeds: Float[Tensor, "batch seeds 3"],
+    ) -> Float[Tensor, "batch width size size"]:
         return self.rest(normalise(self.first(positions, mask, seeds)))
 
 
@@ -76,7 +82,12 @@ class MotionFeatures(nn.Module):
         self.force_rest = None if seeds is None else ConvStack([4 * width, 2 * width, width])
         self.both = ConvStack([6 + (0 if seeds is None else width), width, width, width])
 
-    def forward(self, motion: Tensor, strength: Tensor | None, normals: Tensor | None) -> Tensor:
+    def forward(
+        self,
+        motion: Float[Tensor, "batch 6 size size"],
+        strength: Float[Tensor, "batch seeds size size"] | None,
+        normals: Float[Tensor, "batch seeds 3"] | None,
+    ) -> Float[Tensor, "batch width size size"]:
         """E_t, shape (batch, width, H, W).
 
         Args:
@@ -99,7 +110,7 @@ class Encoder(nn.Module):
         self.convs = ConvStack([in_channels, *widths], stride=2)
         self.linear = nn.Linear(widths[-1] * CODE_MAP**2, latent)
 
-    def forward(self, x: Tensor) -> Tensor:
+    def forward(self, x: Float[Tensor, "batch channels size size"]) -> Float[Tensor, "batch latent"]:
         return self.linear(self.convs(x).flatten(1))
 
 
@@ -112,7 +123,7 @@ class Decoder(nn.Module):
         self.linear = nn.Linear(latent, widths[0] * CODE_MAP**2)
         self.convs = ConvStack([*widths, width // 2, width // 2], stride=-2)
 
-    def forward(self, code: Tensor) -> Tensor:
+    def forward(self, code: Float[Tensor, "batch latent"]) -> Float[Tensor, "batch channels size size"]:
         x = F.leaky_relu(self.linear(code), MLP_SLOPE)
         return self.convs(x.unflatten(1, (-1, CODE_MAP, CODE_MAP)))
 
@@ -127,7 +138,9 @@ class DisplacementMLP(nn.Module):
         self.residual = nn.ModuleList(nn.Linear(width, width) for _ in range(4))
         self.last = nn.ModuleList([nn.Linear(width + features + width, width), nn.Linear(width, 3)])
 
-    def forward(self, features: Tensor, uv: Tensor) -> Tensor:
+    def forward(
+        self, features: Float[Tensor, "batch vertices channels"], uv: Float[Tensor, "vertices encoding"]
+    ) -> Float[Tensor, "batch vertices 3"]:
         """Displacements, shape (batch, V, 3), of features, shape (batch, V, F), and UV encoding, shape (V, U)."""
         for layer in self.uv:
             uv = F.leaky_relu(layer(uv), MLP_SLOPE)

@@ -1,10 +1,15 @@
 """From local displacements to posed garments (eq. 1)."""
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 
-def displace(template: Tensor, frames: Tensor, displacement: Tensor) -> Tensor:
+def displace(
+    template: Float[Tensor, "*batch_or_none vertices 3"],
+    frames: Float[Tensor, "vertices 3 3"],
+    displacement: Float[Tensor, "batch vertices 3"],
+) -> Float[Tensor, "batch vertices 3"]:
     """Canonical displaced vertices g^ = g_0 + H_0 d [m], shape (batch, V, 3) (eq. 1, second line).
 
     Args:
@@ -15,7 +20,11 @@ def displace(template: Tensor, frames: Tensor, displacement: Tensor) -> Tensor:
     return template + torch.einsum("vxk,bvk->bvx", frames, displacement)
 
 
-def blend_weights(displaced: Tensor, canonical_seeds: Tensor, radii: Tensor) -> Tensor:
+def blend_weights(
+    displaced: Float[Tensor, "batch vertices 3"],
+    canonical_seeds: Float[Tensor, "seeds 3"],
+    radii: Float[Tensor, " seeds"],
+) -> Float[Tensor, "batch vertices seeds"]:
     """Blend weights w_ij, softmax over the seeds of -d^2 / (2 rho^2), shape (batch, V, N) (section 4.2).
 
     Args:
@@ -32,7 +41,11 @@ def blend_weights(displaced: Tensor, canonical_seeds: Tensor, radii: Tensor) -> 
     return torch.softmax(-(squared @ per_seed.T), dim=-1)
 
 
-def seed_transforms(rotations: Tensor, canonical_seeds: Tensor, seeds: Tensor) -> Tensor:
+def seed_transforms(
+    rotations: Float[Tensor, "*batch seeds 3 3"],
+    canonical_seeds: Float[Tensor, "seeds 3"],
+    seeds: Float[Tensor, "*batch seeds 3"],
+) -> Float[Tensor, "*batch seeds 12"]:
     """Each seed's rigid motion x -> R (x - b_0) + b_0 + T as [R | b_t - R b_0], shape (..., N, 12), row by row.
 
     Args:
@@ -44,7 +57,11 @@ def seed_transforms(rotations: Tensor, canonical_seeds: Tensor, seeds: Tensor) -
     return torch.cat([rotations, offsets[..., None]], dim=-1).flatten(-2)
 
 
-def skin(displaced: Tensor, weights: Tensor, transforms: Tensor) -> Tensor:
+def skin(
+    displaced: Float[Tensor, "batch vertices 3"],
+    weights: Float[Tensor, "#batch vertices seeds"],
+    transforms: Float[Tensor, "batch seeds 12"],
+) -> Float[Tensor, "batch vertices 3"]:
     """Posed vertices g [m], shape (batch, V, 3) (eq. 1, first line), as weights @ [N, 12].
 
     Args:
@@ -56,6 +73,8 @@ def skin(displaced: Tensor, weights: Tensor, transforms: Tensor) -> Tensor:
     return (blended[..., :3] @ displaced[..., None])[..., 0] + blended[..., 3]
 
 
-def blended_rotations(weights: Tensor, transforms: Tensor) -> Tensor:
+def blended_rotations(
+    weights: Float[Tensor, "#batch vertices seeds"], transforms: Float[Tensor, "batch seeds 12"]
+) -> Float[Tensor, "batch vertices 3 3"]:
     """The linear part of `skin` at each vertex, shape (batch, V, 3, 3)."""
     return (weights @ transforms).unflatten(-1, (3, 4))[..., :3]

@@ -136,3 +136,22 @@ def test_a_diverged_roll_out_is_a_result_and_a_failed_one_an_error(files, capsys
     code, out, lines = typed(capsys, "evaluate", "foreign_methods:Raises", *scenes, *SMALL)
     assert code == 1 and "rollout_l2" in out and "good failed at frame 7 of test: raised ZeroDivision" in lines[-1]
     assert np.isnan([r["value"] for r in RunStore().list({"kind": "evaluate"})[-1].results["rows"]]).any()
+
+
+def test_a_class_without_a_file_is_told_to_have_one(monkeypatch):
+    class Cell(load_method("hold")):
+        __module__ = "__main__"
+
+    with pytest.raises(UsageError, match="write it into my_module.py and name it"):
+        choose_method(Cell, "full", preset("smoke"))
+
+
+def test_training_and_evaluating_from_python(files):
+    import garmentbench as gb
+
+    one, two, test = (gb.SequenceFile(files / f"{name}.h5") for name in ("one", "two", "test"))
+    size, store = gb.preset("smoke"), gb.RunStore(files / "elsewhere")
+    trained = gb.train(gb.choose_method("linear_subspace", "full", size), (one, two), size, 20, 0, store)
+    run = gb.evaluate(trained, test, size, store)
+    assert run.results["status"] == "ok" and run.identity["train_scenes"] == ["one", "two"]
+    assert not (files / "runs").exists()

@@ -8,7 +8,18 @@ from beartype import beartype
 from jaxtyping import AbstractArray
 
 PACKAGE = Path(__file__).parents[2] / "garmentbench"
-CHECKED = ("evaluation/excerpt.py", "evaluation/rollout.py", "geometry", "metrics", "simulation", "sequence.py")
+CHECKED = (
+    "evaluation/excerpt.py",
+    "evaluation/rollout.py",
+    "geometry",
+    "method.py",
+    "methods/motion_guided/descriptor.py",
+    "methods/motion_guided/networks.py",
+    "methods/motion_guided/skinning.py",
+    "metrics",
+    "simulation",
+    "sequence.py",
+)
 
 
 def checked_modules() -> list[str]:

@@ -5,7 +5,13 @@ from scipy.spatial.transform import Rotation
 
 from garmentbench.geometry.seeds import select_seeds
 from garmentbench.methods.motion_guided.frames import body_frames, heading, link
-from garmentbench.methods.motion_guided.skinning import blend_weights, blended_rotations, seed_transforms, skin
+from garmentbench.methods.motion_guided.skinning import (
+    blend_weights,
+    blended_rotations,
+    displace,
+    seed_transforms,
+    skin,
+)
 
 
 @pytest.fixture
@@ -68,3 +74,8 @@ def test_blended_rotations_are_the_derivative_at_fixed_weights(points):
     change = skin(garment + push, weights, transforms) - skin(garment, weights, transforms)
     expected = (blended_rotations(weights, transforms) @ push[..., None])[..., 0]
     assert (change - expected).abs().max() < 1e-12
+
+
+def test_shapes_that_would_broadcast_unnoticed_are_refused_in_tests():
+    with pytest.raises(Exception, match="frames"):
+        displace(torch.zeros(5, 3), torch.eye(3)[None], torch.zeros(2, 5, 3))

@@ -145,7 +145,10 @@ def test_frames_that_were_left_out_show_in_their_velocities(copy):
         (lambda f: (f / "uv_tshirt" / "ind_B2O_10.txt").unlink(), "wanted one ind_B2O_\\*.txt, found none"),
         (lambda f: shutil.rmtree(f / "body_n"), "wanted frames 000001.obj"),
         (lambda f: (f / "uv_tshirt" / "garment_uv.obj").write_text("v 0 0 0\n"), f"1 points for {VERTICES} vertices"),
-        (lambda f: (f / "uv_body" / "body_geo.obj").write_text("v 0 0 zero\nf 1 1 1\n"), "v 0 0 zero', wanted numbers"),
+        (
+            lambda f: (f / "uv_body" / "body_geo.obj").write_text("v 0 0 zero\nf 1 1 1\n"),
+            "v 0 0 zero', wanted 3 numbers",
+        ),
         (
             lambda f: (f / "uv_body" / "body_geo.obj").write_text("v 0 0 nan\nv 0 1 0\nv 1 0 0\nf 1 2 3\n"),
             "vertex 0 is not finite",
