@@ -10,7 +10,7 @@ import tempfile
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -74,7 +74,8 @@ class LeftOut(Experiment):
 
         rows = results.table[(results.table.experiment == self.table) & results.table.metric.str.startswith(PREFIX)]
         cells = []
-        for (scene, metric), group in rows.groupby(["scene", "metric"], sort=True):
+        groups: Any = rows.groupby(["scene", "metric"], sort=True)
+        for (scene, metric), group in groups:
             saved = {unit: group.value[group.unit == unit].mean() for unit in UNITS}
             texts = [
                 ABSENT if math.isnan(v) else f"{v:,.0f}" if unit == "parameters" else number(v)

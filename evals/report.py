@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 from garmentbench.errors import UserError
 from garmentbench.evals import EXPERIMENTS
@@ -91,7 +92,8 @@ def _ended(lines: list[Line], results: Results) -> list[Ended]:
     """Lines that did not end well, with what they said; one that never ran carries its message in place of a run."""
     ended = []
     for line in lines:
-        for row in line.rows[line.rows.status != "ok"].drop_duplicates("run_id").itertuples():
+        bad: Any = line.rows[line.rows.status != "ok"]  # a DataFrame, which its stubs take for an array
+        for row in bad.drop_duplicates("run_id").itertuples():
             record = results.record(row.run_id) if row.run_id in line.run_ids else {}
             message = record["results"].get("message", "") if record else row.run_id[1:-1]
             name = line.label + (f", seed {row.seed}" if line.rows.seed.nunique() > 1 else "")

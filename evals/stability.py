@@ -80,8 +80,8 @@ class Stability(Comparison):
         rows, plain = super().measured(trial, run, results), results["evaluate", trial.trained, UNSTRESSED]
         if isinstance(plain, Failure) or not isinstance(trial.test, Scene):
             return rows
-        rolls = [RollOut.load(r.folder / "rollout.h5") for r in (run, RunStore().get(plain))]
-        return rows + method_measures(trial.test, results["sequence", trial.test.name], *rolls)
+        stressed, unstressed = (RollOut.load(r.folder / "rollout.h5") for r in (run, RunStore().get(plain)))
+        return rows + method_measures(trial.test, results["sequence", trial.test.name], stressed, unstressed)
 
     def sections(self, results: "Results") -> "list[Section]":
         from garmentbench.report.page import Picture, Section

@@ -14,7 +14,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import fields
 from functools import reduce
 from operator import or_
-from typing import Annotated
+from typing import Annotated, Any, cast
 
 import garmentbench
 from garmentbench import paths
@@ -88,7 +88,7 @@ def parse(arguments: list[str]) -> Command:
     name = arguments[0]
     if not name.startswith("-") and name not in COMMANDS:
         raise unknown_name("command", name, list(COMMANDS))
-    union = reduce(or_, (Annotated[kind, tyro.conf.subcommand(n)] for n, kind in COMMANDS.items()))
+    union: Any = reduce(or_, (Annotated[kind, tyro.conf.subcommand(n)] for n, kind in COMMANDS.items()))
     box = io.StringIO()
     try:
         with contextlib.redirect_stderr(box):
@@ -112,7 +112,7 @@ def _unknown_argument(argument: str, name: str, command: Command) -> UsageError:
     """What to say of an argument that a command does not know."""
     if not argument.startswith("-"):
         return UsageError(f"{name}: what to do with '{argument}'? See garmentbench {name} --help")
-    options = ["--" + f.name.replace("_", "-") for f in fields(command)]
+    options = ["--" + f.name.replace("_", "-") for f in fields(cast(Any, command))]
     near = difflib.get_close_matches(argument, options, n=1, cutoff=0.4)
     hint = f"did you mean '{near[0]}'? " if near else ""
     return UsageError(f"{name}: unknown option '{argument}': {hint}See garmentbench {name} --help")

@@ -71,7 +71,7 @@ class Check:
 
         mesh, wearer, file = read_mesh(self.file, self.mesh), read_wearer(self.body) if self.body else None, self.file
         if self.fix is not None:
-            self._mend(mesh, wearer)
+            self._mend(mesh, wearer, self.fix)
             mesh, file = read_mesh(self.fix), self.fix
         findings = examine(mesh, wearer)
         print(f"{file}: {summary(mesh)}")
@@ -81,13 +81,13 @@ class Check:
         if self.fix is not None and self.fix.suffix == ".npz":
             print(wardrobe_lines(self.fix))
 
-    def _mend(self, mesh: "Mesh", wearer: "Wearer | None") -> None:
+    def _mend(self, mesh: "Mesh", wearer: "Wearer | None", out: Path) -> None:
         from garmentbench.importing.mesh_doctor.files import write_mesh
         from garmentbench.importing.mesh_doctor.repairs import mend
 
-        make_uv = self.make_uv or (mesh.uv is None and self.fix.suffix == ".npz")  # where a garment can't be without
+        make_uv = self.make_uv or (mesh.uv is None and out.suffix == ".npz")  # where a garment can't be without
         mended, lines = mend(mesh, wearer, self.units or None, make_uv, self.weld)
-        lines += write_mesh(self.fix, mended)
+        lines += write_mesh(out, mended)
         for line in lines or ["nothing to repair"]:
             print(f"fix: {line}")
         print(f"{self.fix}: written; what is left:")

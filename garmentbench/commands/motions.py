@@ -83,7 +83,7 @@ class ImportMotion:
     def _write_own_body(self) -> None:
         from garmentbench.importing.motions.smplx_body import write_own_body
 
-        if self.out is None:
+        if self.out is None or self.smplx_models is None:
             raise UsageError("--smplx-models: where to? Wanted --out body.npz too")
         print(write_own_body(self.file, self.smplx_models, self.fps, self.out))
         print(self.out)

@@ -4,7 +4,7 @@ import numpy as np
 import scipy.sparse as sp
 from jaxtyping import Float, Int
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 TOGETHER = 2e-5  # [m] at rest; OBJ files round to a micrometre, the shortest edges of dense meshes are 0.1 mm
 
@@ -34,7 +34,7 @@ def touching_borders(
     border = np.unique(unique[counts == 1])
     if not len(border):
         return np.zeros((0, 2), np.int64)
-    return border[cKDTree(rest[border]).query_pairs(distance, output_type="ndarray")].astype(np.int64)
+    return border[KDTree(rest[border]).query_pairs(distance, output_type="ndarray")].astype(np.int64)
 
 
 def sewing_pairs(pairs: Int[np.ndarray, "pairs 2"], vertices: int) -> Int[np.ndarray, "seams 2"]:

@@ -73,6 +73,7 @@ def _clip_frames(scene: Scene, frames: int) -> np.ndarray:
 
 def _vertices(scene: Scene, baked: BakedBody, when: np.ndarray) -> np.ndarray:
     motion = scene.motion
+    assert motion.file is not None, "a motion of ours has no file"
     clip = load_clip(Path(motion.file), baked, scene.fps, motion.start, motion.stop, motion.arm_space)
     if when[-1] > len(clip) - 1:
         fit = int((len(clip) - 1) / scene.motion.speed - _RUN_UP) + 1

@@ -99,13 +99,13 @@ def _between(moved: np.ndarray, phases: list[tuple[int, int]], fade: float) -> n
     out = np.zeros_like(moved)
     gaps = zip([None, *phases], [*phases, None], strict=True)
     for before, after in gaps if phases else ():
-        last, first = -np.inf if before is None else before[1] - 1, np.inf if after is None else after[0]
+        last, first = -1 if before is None else before[1] - 1, len(moved) if after is None else after[0]
         k = frames[(frames > last) & (frames < first)]
         if before is None or after is None:
             out[k] = moved[first if before is None else last]
         else:
             out[k] = moved[last] + smoothstep((k - last) / (first - last))[:, None] * (moved[first] - moved[last])
-        width = min(fade, first - last)
+        width = fade if before is None or after is None else min(fade, first - last)
         if before is not None and before[1] - before[0] > 1:
             out[k] += _fading(k - last, width) * (moved[last] - moved[last - 1])
         if after is not None and after[1] - after[0] > 1:

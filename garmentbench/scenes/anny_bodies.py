@@ -91,7 +91,7 @@ def largest_component(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Kept vertices and renumbered faces: the skin without eyes and tongue."""
     import trimesh
 
-    groups = trimesh.graph.connected_components(trimesh.graph.faces_to_edges(faces))
+    groups = trimesh.graph.connected_components(trimesh.geometry.faces_to_edges(faces))
     kept = np.sort(max(groups, key=len))
     number = np.full(faces.max() + 1, -1)
     number[kept] = np.arange(len(kept))
@@ -149,12 +149,12 @@ def _read(size: str) -> dict[str, np.ndarray]:
 
 def _carried(points: np.ndarray, surface: np.ndarray, faces: np.ndarray, onto: np.ndarray) -> np.ndarray:
     """Points on a surface, carried to where it is now by their barycentric coordinates; shape (P, 3)."""
-    from scipy.spatial import cKDTree
+    from scipy.spatial import KDTree
     from trimesh import Trimesh
     from trimesh.triangles import closest_point, points_to_barycentric
 
     mesh = Trimesh(surface.astype(np.float64), faces, process=False)
-    near = mesh.vertex_faces[cKDTree(mesh.vertices).query(points, k=_NEAR)[1]].reshape(len(points), -1)  # -1: none
+    near = mesh.vertex_faces[KDTree(mesh.vertices).query(points, k=_NEAR)[1]].reshape(len(points), -1)  # -1: none
     point, slot = np.nonzero(near >= 0)
     triangle = near[point, slot]
     found = closest_point(mesh.triangles[triangle], points[point].astype(np.float64))
@@ -175,7 +175,7 @@ def _check(name: str, rest: np.ndarray, base: dict[str, np.ndarray]) -> None:
 
 
 def _write(path: Path, base: dict[str, Any], rest: np.ndarray, joints: np.ndarray, about: str) -> Path:
-    changed = {"rest": rest.astype(np.float32), "joints": joints.astype(np.float32)}
+    changed: dict[str, Any] = {"rest": rest.astype(np.float32), "joints": joints.astype(np.float32)}
     changed["provenance"] = np.array(f"{base['provenance']}; garmentbench bodies bake: {about}")
     with written_whole(path) as partial, partial.open("wb") as file:
         np.savez_compressed(file, **base | changed)

@@ -38,7 +38,9 @@ class Obstacle:
             positions = np.concatenate([positions, inner[1]], axis=1)
         return cls(surfaces, positions, len(body.rest), body.kind == OBJECT)
 
-    def between(self, t: int, origin: Float[np.ndarray, "3"], fps: float) -> tuple[np.ndarray, ...]:
+    def between(
+        self, t: int, origin: Float[np.ndarray, "3"], fps: float
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """What leads from frame t to t + 1, cubic Hermite: positions at both, relative to `origin`, and tangents [m a
         frame] from central differences, shape (B, 3) each; the wind [m/s], shape (3,).
 

@@ -99,7 +99,7 @@ class Worn:
     @property
     def finite(self) -> int:
         """Frames before the first that is not finite."""
-        good = np.isfinite(self.run.positions).all(axis=(1, 2))
+        good = np.asarray(np.isfinite(self.run.positions).all(axis=(1, 2)))
         return len(good) if good.all() else int(np.argmin(good))
 
     @property

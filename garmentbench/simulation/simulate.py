@@ -55,7 +55,7 @@ def simulate(scene: Scene, preset: Preset, device: str = "cpu") -> Sequence:
         "simulation": told[-1] if len(told) == 1 else _of_both(*told),
     }
     body, positions = outfit.animation.body, outfit.animation.positions
-    if len(worn) > 1:
+    if scene.worn_over is not None:
         info["worn_over"], body, positions = scene.worn_over.name, worn[-2].body, worn[-2].surface
     garment = worn[-1].run.positions[start:stop].astype(np.float32)
     return Sequence(

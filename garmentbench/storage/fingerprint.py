@@ -50,8 +50,9 @@ def plain(value: Any) -> Any:
         return str(value)
     if isinstance(value, set | frozenset):
         return sorted(value)
-    if hasattr(value, "tolist"):
-        return value.tolist()
+    as_list = getattr(value, "tolist", None)
+    if as_list is not None:
+        return as_list()
     raise TypeError(f"{type(value).__name__} is not plain JSON: {value!r}")
 
 

@@ -58,7 +58,7 @@ def run_jobs(jobs: dict[tuple, Job], workers: int) -> dict[tuple, Any]:
     results: dict[tuple, Any] = {}
     ready: list[tuple] = []
     running: dict[Future, tuple] = {}
-    context = get_context("spawn")
+    context: Any = get_context("spawn")
     reports = context.Queue()
     pool = ProcessPool(workers, context=context, initializer=_begin_worker, initargs=(reports,))
     try:

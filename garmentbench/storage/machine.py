@@ -20,14 +20,14 @@ PACKAGES = ("torch", "numpy", "scipy", "warp-lang", "h5py", "rerun-sdk")
 def machine() -> dict:
     """The machine: processor, cores this process may use, memory [GB], system, CUDA device where torch is using one."""
     torch = sys.modules.get("torch")
-    cuda = torch is not None and torch.cuda.is_initialized()
+    cuda = torch.cuda.get_device_name() if torch is not None and torch.cuda.is_initialized() else None
     return {
         "cpu": _cpu(),
         "cores": core_count(),
         "memory_gb": round(psutil.virtual_memory().total / 2**30, 1),
         "system": f"{platform.system()} {platform.release()}",
         "threads": torch.get_num_threads() if torch is not None else None,
-        "cuda": torch.cuda.get_device_name() if cuda else None,
+        "cuda": cuda,
     }
 
 

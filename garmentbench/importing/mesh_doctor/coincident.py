@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from garmentbench.errors import Problem
 from garmentbench.importing.mesh_doctor.finding import Finding, counted, listed
@@ -38,7 +38,7 @@ def coincident(points: np.ndarray, tolerance: float) -> np.ndarray:
     _, exact = np.unique(points, axis=0, return_inverse=True)  # first: a pile of thousands would be all pairs of them
     exact = exact.ravel()
     first = np.unique(exact, return_index=True)[1]
-    distance, near = cKDTree(points[first]).query(points[first], _NEIGHBOURS, distance_upper_bound=tolerance)
+    distance, near = KDTree(points[first]).query(points[first], _NEIGHBOURS, distance_upper_bound=tolerance)
     pairs = np.stack([np.repeat(np.arange(len(first)), _NEIGHBOURS), near.ravel()], axis=1)
     return components(len(first), pairs[np.isfinite(distance).ravel()])[exact]
 

@@ -102,17 +102,18 @@ def _garment_file(path: Path) -> Mesh:
             raise UserError(f"{path}: has no array '{name}' (found: {found}), wanted {_WANTED}; {_AGAIN}")
         if array is not None and (array.dtype.kind not in kinds or array.shape[1:] != width or array.ndim < 1):
             raise UserError(f"{path}: {name} is {array.dtype} of shape {array.shape}, wanted {_WANTED}; {_AGAIN}")
-    rest, uv = arrays["rest"].astype(np.float64), arrays.get("uv")
+    rest = arrays["rest"].astype(np.float64)
+    uv = arrays["uv"].astype(np.float64) if "uv" in arrays else None
     indices = {n: arrays.get(n, np.zeros((0, *_SHAPES[n][1]))).astype(np.int64) for n in ("faces", "seams", "pins")}
     for name, array in indices.items():
         if array.size and not 0 <= array.min() <= array.max() < len(rest):
             found = f"{name} name vertices from {array.min()} to {array.max()}, there are {len(rest)}"
             raise UserError(f"{path}: {found}; {_AGAIN}")
-    if not len(indices["faces"]) or (uv is not None and len(uv) != len(rest)):
-        found = "has no faces" if not len(indices["faces"]) else f"uv has {len(uv)} rows, rest has {len(rest)}"
-        raise UserError(f"{path}: {found}, wanted {_WANTED}; {_AGAIN}")
+    if not len(indices["faces"]):
+        raise UserError(f"{path}: has no faces, wanted {_WANTED}; {_AGAIN}")
+    if uv is not None and len(uv) != len(rest):
+        raise UserError(f"{path}: uv has {len(uv)} rows, rest has {len(rest)}, wanted {_WANTED}; {_AGAIN}")
     notes = {k: str(a) for k, a in arrays.items() if k not in _SHAPES and a.ndim == 0 and a.dtype.kind == "U"}
-    uv = None if uv is None else uv.astype(np.float64)
     return Mesh(
         path.stem, rest, indices["faces"], uv, np.arange(len(rest)), indices["seams"], indices["pins"], True, notes
     )
@@ -139,8 +140,9 @@ def write_mesh(path: Path, mesh: Mesh) -> list[str]:
     if path.suffix.lower() == ".npz":
         _write_npz(path, mesh)
         return []
-    has_uv = mesh.uv is not None and np.isfinite(mesh.uv[mesh.faces]).all()
-    uv = mesh.uv[mesh.faces].astype(np.float32) if has_uv else None
+    uv = None if mesh.uv is None else mesh.uv[mesh.faces].astype(np.float32)
+    has_uv = uv is not None and np.isfinite(uv).all()
+    uv = uv if has_uv else None
     points = mesh.points.astype(np.float32)
     obj.write_template(path, MeshSequence(mesh.name, points[None], mesh.corners.astype(np.int32), uv))
     return [f"left out {len(mesh.pins)} pins: OBJ has no place for them, .npz has"] if len(mesh.pins) else []

@@ -37,6 +37,12 @@ class Mesh:
     says_seams: bool = False
     notes: dict[str, str] = field(default_factory=dict)
 
+    @property
+    def required_uv(self) -> np.ndarray:
+        """UV coordinates, shape (V, 2), for work on a mesh that has them."""
+        assert self.uv is not None, "ask `uv.missing` first"
+        return self.uv
+
     @cached_property
     def point(self) -> np.ndarray:
         """Point of each vertex, shape (V,): vertices joined by seams are one point."""

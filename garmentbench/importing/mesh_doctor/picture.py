@@ -60,7 +60,8 @@ def _drawn(mesh: Mesh, findings: list[Finding]) -> list[RenderMesh]:
     if len(dots):
         drawn.append(_dots(mesh.vertices[dots], _DOT * mesh.size))
     if len(edges):
-        drawn.append(_lines(*mesh.vertices[edges].transpose(1, 0, 2), _LINE * mesh.size))
+        start, end = mesh.vertices[edges].transpose(1, 0, 2)
+        drawn.append(_lines(start, end, _LINE * mesh.size))
     return drawn
 
 
@@ -94,11 +95,13 @@ def _draw_uv(ax, mesh: Mesh, findings: list[Finding]) -> None:
     if uv.missing(mesh):
         ax.text(0.5, 0.5, "none", ha="center", va="center")
         return
-    triangles = mesh.uv[mesh.faces]
-    ax.add_collection(PolyCollection(triangles, facecolors="0.92", edgecolors=CLOTH, linewidths=0.2))
+    triangles = mesh.required_uv[mesh.faces]
+    ax.add_collection(PolyCollection(list(triangles), facecolors="0.92", edgecolors=CLOTH, linewidths=0.2))
     marked = np.unique(np.concatenate([f.faces for f in findings if f.in_uv] or [np.zeros(0, np.int64)]))
     if len(marked):
-        ax.add_collection(PolyCollection(triangles[marked], facecolors=(*RED, 0.35), edgecolors=RED, linewidths=0.4))
+        ax.add_collection(
+            PolyCollection(list(triangles[marked]), facecolors=(*RED, 0.35), edgecolors=RED, linewidths=0.4)
+        )
     low, high = np.minimum(triangles.min(axis=(0, 1)), 0), np.maximum(triangles.max(axis=(0, 1)), 1)
     ax.set(xlim=(low[0] - 0.02, high[0] + 0.02), ylim=(low[1] - 0.02, high[1] + 0.02))
     ax.tick_params(labelsize=7)

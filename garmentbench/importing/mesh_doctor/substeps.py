@@ -43,7 +43,7 @@ def cost(mesh: Mesh) -> Cost | None:
     fabric = assemble(Garment(mesh.name, solid.vertices, solid.faces, uv, solid.seams, solid.pins), material, settings)
     count = substeps(fabric, material, settings, 1 / FPS)
     spring = np.bincount(fabric.edges.ravel(), np.repeat(fabric.stiffness, 2), len(fabric.mass))
-    bending = np.asarray(np.abs(fabric.bending).sum(axis=1)).ravel()
+    bending = np.asarray(abs(fabric.bending).sum(axis=1)).ravel()
     step = _bounds(2 * spring / fabric.mass, bending / fabric.mass, material)
     stiffest = np.argmin(step)
     even = max(round(count * float(step[stiffest] / np.median(step))), settings.queries)

@@ -30,10 +30,10 @@ def missing(mesh: Mesh) -> list[Finding]:
 def outside(mesh: Mesh) -> list[Finding]:
     """UV coordinates beyond the unit square."""
     used = np.unique(mesh.faces)
-    bad = used[((mesh.uv[used] < 0) | (mesh.uv[used] > 1)).any(axis=1)]
+    bad = used[((mesh.required_uv[used] < 0) | (mesh.required_uv[used] > 1)).any(axis=1)]
     if not len(bad):
         return []
-    low, high = mesh.uv[used].min(axis=0), mesh.uv[used].max(axis=0)
+    low, high = mesh.required_uv[used].min(axis=0), mesh.required_uv[used].max(axis=0)
     what = (
         f"{counted(len(bad), 'vertex', 'vertices')} outside [0, 1] (UV reach from {_pair(low)} to {_pair(high)}), "
         f"at vertex {listed(mesh.numbers[bad])}"
@@ -50,7 +50,7 @@ def charts(mesh: Mesh) -> np.ndarray:
 
 def uv_areas(mesh: Mesh) -> np.ndarray:
     """Area of each face in UV, negative where it runs clockwise once neighbours agree in 3D, shape (F,)."""
-    a, b, c = mesh.uv[mesh.faces].transpose(1, 2, 0)
+    a, b, c = mesh.required_uv[mesh.faces].transpose(1, 2, 0)
     area = ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])) / 2
     return np.where(winding(mesh.sides).turned, -area, area)
 
@@ -58,7 +58,7 @@ def uv_areas(mesh: Mesh) -> np.ndarray:
 def folds(mesh: Mesh) -> list[Finding]:
     """Triangles without area in UV, and such as run against the rest of their chart."""
     area, chart, found = uv_areas(mesh), charts(mesh), []
-    extent = np.ptp(mesh.uv[mesh.faces].reshape(-1, 2), axis=0).max()
+    extent = np.ptp(mesh.required_uv[mesh.faces].reshape(-1, 2), axis=0).max()
     whole = ~repeats_a_corner(mesh.corners)
     empty = whole & (np.abs(area) <= NO_AREA * extent**2)
     if empty.any():
@@ -77,7 +77,7 @@ def folds(mesh: Mesh) -> list[Finding]:
 
 def overlapping(mesh: Mesh) -> list[Finding]:
     """Faces that share room in UV: a map drawn through them holds one and forgets the other."""
-    found = overlaps(mesh.uv[mesh.faces])
+    found = overlaps(mesh.required_uv[mesh.faces])
     if not len(found.pairs):
         return []
     faces, chart = np.unique(found.pairs), charts(mesh)
@@ -88,7 +88,7 @@ def overlapping(mesh: Mesh) -> list[Finding]:
     kinds = (f"{counted(len(between) - within, 'pair')} of charts", f"within {counted(within, 'chart')}")
     where = " and ".join(kind for kind, there in zip(kinds, (len(between) > within, within), strict=True) if there)
     at_least = "" if found.complete else "at least "
-    middle = mesh.uv[mesh.faces[worst[0]]].mean(axis=0)
+    middle = mesh.required_uv[mesh.faces[worst[0]]].mean(axis=0)
     what = (
         f"{at_least}{counted(len(faces), 'face')} overlap in UV ({where}), by {at_least}{100 * share:.3g} % of the "
         f"map, most of all faces {worst[0]} and {worst[1]} near UV {_pair(middle)}, at face {listed(faces)}"

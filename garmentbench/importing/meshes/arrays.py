@@ -11,6 +11,7 @@ fps, metres_per_unit, up  numbers, and "x", "y" or "z" (in HDF5 also as attribut
 
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np

@@ -3,7 +3,9 @@
 Refused where unclear.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -98,12 +100,12 @@ def unit_name(unit: float) -> str:
     return next((name for name, size in UNITS.items() if abs(size / unit - 1) < 1e-6), f"{unit:g} m")
 
 
-def _decide(name: str, given: object, garment: object, body: object, guess: object) -> tuple[tuple, str]:
+def _decide(name: str, given: Any, garment: Any, body: Any, guess: Callable[[], tuple[Any, str]]) -> tuple[Any, str]:
     """The value for garment and body, and a line about it."""
-    show = unit_name if name == "units" else lambda v: f"{v:g}" if isinstance(v, float) else v
+    show: Any = unit_name if name == "units" else lambda v: f"{v:g}" if isinstance(v, float) else v
     if given is not None:
         return (given, given), f"{name}: {show(given)} (given)"
-    known = garment if garment is not None else body, body if body is not None else garment
+    known: tuple[Any, Any] = garment if garment is not None else body, body if body is not None else garment
     if known[0] is not None:
         both = show(known[0]) if known[0] == known[1] else f"{show(known[0])}, of the body {show(known[1])}"
         return known, f"{name}: {both} (as the file says)"

@@ -67,7 +67,7 @@ def _rolled_out(name: str, recorded: Path | None) -> tuple[Sequence, list[str]]:
     if sequence_file.content_hash(path) != run.identity["data"]:
         raise UserError(f"{run.id}: was evaluated on another sequence than {path}; name the right one with --sequence")
     sequence, roll = sequence_file.load(path), RollOut.load(run.folder / "rollout.h5")
-    good = np.isfinite(roll.garment).all(axis=(1, 2))
+    good = np.asarray(np.isfinite(roll.garment).all(axis=(1, 2)))
     count = len(good) if good.all() else int(np.argmin(good))
     notes = (
         []
@@ -116,7 +116,7 @@ def meshes_of(sequence: Sequence) -> dict[str, MeshSequence]:
         )
     }
     if body is not None:
-        meshes["body"] = MeshSequence("body", sequence.body, body.faces, None, body.rest, fps, 1.0, "z")
+        meshes["body"] = MeshSequence("body", sequence.body_positions, body.faces, None, body.rest, fps, 1.0, "z")
     return meshes
 
 

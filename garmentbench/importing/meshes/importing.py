@@ -4,6 +4,7 @@ import hashlib
 from dataclasses import dataclass, replace
 from mmap import ACCESS_READ, mmap
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -104,7 +105,7 @@ def measured(sequence: Sequence) -> Sequence:
     """With its own interpenetration noted, measured on so many of its frames, evenly spaced, as `_MEASURED` allows."""
     frames = min(len(sequence), max(1, _MEASURED // sequence.garment.shape[1]))
     chosen = np.linspace(0, len(sequence) - 1, frames).round().astype(int)
-    some = replace(sequence, garment=sequence.garment[chosen], body=sequence.body[chosen])
+    some = replace(sequence, garment=sequence.garment[chosen], body=sequence.body_positions[chosen])
     noted = {"scores": scores(Motion.of(some), *PENETRATION), "scored_frames": len(chosen)}
     return replace(sequence, info=sequence.info | noted)
 
@@ -134,7 +135,7 @@ def import_meshes(garment: MeshSequence, body: MeshSequence | None, wanted: Want
     if body is not None:
         template, moving, lines = _body(body, found, wanted, count)
         notes += lines + _far(frames[0], moving[0])
-    info = {"scene": wanted.scene, "split": wanted.split, "motion": "imported"}
+    info: dict[str, Any] = {"scene": wanted.scene, "split": wanted.split, "motion": "imported"}
     info["imported"] = _provenance(garment, body, found, list(notes))
     return Sequence(Template(cloth, template, found.fps), frames, moving, info), notes
 

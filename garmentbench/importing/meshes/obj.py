@@ -182,11 +182,12 @@ def _natural(path: Path) -> list[tuple[int, int, str]]:
 
 
 def _refuse_mixed(source: str, files: list[Path]) -> None:
-    matches = [re.fullmatch(r"(.*?)(\d+)", p.stem) for p in files]
-    names = sorted({m.group(1) if m else p.stem for m, p in zip(matches, files, strict=True)})
-    if len(names) > 1 or None in matches:
-        found = f"files of different names ({', '.join(names[:3])} ...), wanted one numbered series"
-        raise refusal(source, found, f"name one by a pattern, e.g. '{files[0].parent / names[-1]}*.obj'")
+    found = [re.fullmatch(r"(.*?)(\d+)", p.stem) for p in files]
+    matches = [m for m in found if m]
+    names = sorted({m.group(1) if m else p.stem for m, p in zip(found, files, strict=True)})
+    if len(names) > 1 or None in found:
+        what = f"files of different names ({', '.join(names[:3])} ...), wanted one numbered series"
+        raise refusal(source, what, f"name one by a pattern, e.g. '{files[0].parent / names[-1]}*.obj'")
     numbers = np.array([int(m.group(2)) for m in matches])
     steps = np.diff(numbers)
     gap = np.flatnonzero(steps != np.median(steps))

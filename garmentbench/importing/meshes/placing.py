@@ -48,7 +48,7 @@ def placed_rest(
     rest = placed_frames(MeshSequence(mesh.name, mesh.rest[None], mesh.faces, files=mesh.files), origin, unit, up, 1)[0]
     turned = {said: (rest.astype(np.float64) @ converter(1.0, axis).T) for said, axis in _TURNS.items()}
     misfit = {said: _misfit(x, first) for said, x in turned.items()}
-    best = min(misfit, key=misfit.get)
+    best = min(misfit, key=misfit.__getitem__)
     if not best or misfit[best] > 0.25 * misfit[""]:
         return rest, ""
     return turned[best].astype(np.float32), f"rest shape of {mesh.name}: turned from {best}, as the recording lies"

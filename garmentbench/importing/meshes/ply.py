@@ -1,6 +1,7 @@
 """PLY files, by trimesh's reader."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -58,4 +59,5 @@ def write_ply(path: Path, positions: np.ndarray, faces: np.ndarray) -> None:
     import trimesh
 
     with written_whole(path) as partial:
-        partial.write_bytes(trimesh.Trimesh(positions, faces, process=False).export(file_type="ply"))
+        data: Any = trimesh.Trimesh(positions, faces, process=False).export(file_type="ply")
+        partial.write_bytes(data)

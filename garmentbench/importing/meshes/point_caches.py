@@ -126,7 +126,7 @@ def write_pc2(path: Path, mesh: MeshSequence) -> None:
     header = _PC2.pack(_SIGNATURE, 1, mesh.frames.shape[1], 0.0, 1.0, len(mesh.frames))
     with written_whole(path) as partial, partial.open("wb") as file:
         file.write(header)
-        file.write(np.ascontiguousarray(mesh.frames, "<f4"))
+        file.write(np.ascontiguousarray(mesh.frames, "<f4").data)
 
 
 _MDD = struct.Struct(">ii")
@@ -156,11 +156,12 @@ def read_mdd(path: Path, template: MeshSequence) -> MeshSequence:
 
 def write_mdd(path: Path, mesh: MeshSequence) -> None:
     """Positions as they are, times from `mesh.fps`. Raises `UserError` when it can't be written."""
+    assert mesh.fps is not None, "what is exported has a rate"
     count = len(mesh.frames)
     with written_whole(path) as partial, partial.open("wb") as file:
         file.write(_MDD.pack(count, mesh.frames.shape[1]))
-        file.write((np.arange(count) / mesh.fps).astype(">f4"))
-        file.write(np.ascontiguousarray(mesh.frames, ">f4"))
+        file.write((np.arange(count) / mesh.fps).astype(">f4").data)
+        file.write(np.ascontiguousarray(mesh.frames, ">f4").data)
 
 
 def _bytes(frames: int, points: int) -> int:

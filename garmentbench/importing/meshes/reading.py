@@ -68,7 +68,9 @@ def _read_one(path: Path, ending: str, prim: str, role: str) -> MeshSequence:
     if ending in (*HDF5, *SCENES):
         from garmentbench.importing.meshes.subprocess_reader import read_isolated
 
-        return read_isolated(path, prim, role)
+        found = read_isolated(path, prim, role)
+        assert found is not None, "only 'body if named so' may find none"
+        return found
     raise UsageError(f"{path}: what is '{ending}'? Read here are {', '.join(KNOWN)}")
 
 

@@ -4,6 +4,7 @@ And the pairs to sew again.
 """
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -44,7 +45,7 @@ def vertex_uv(mesh: MeshSequence, make_uv: bool = False) -> VertexUV:
         found = "has no UV map" if uv is None else "has a UV map without area"
         raise refusal(where, f"{found}, which the methods need", "unwrap the garment and export UV, or give --make-uv")
     if not np.isfinite(uv).all():
-        bare = int((~np.isfinite(uv).all(axis=2)).any(axis=1).sum())
+        bare = len(np.unique(np.argwhere(~np.isfinite(uv))[:, 0]))
         found = f"has no UV, or none that is finite, for {bare} of its {len(uv)} triangles"
         raise refusal(where, found, "unwrap the garment again and export UV, or give --make-uv")
     uv, notes = _into_unit_square(where, uv.astype(np.float64))
@@ -54,7 +55,7 @@ def vertex_uv(mesh: MeshSequence, make_uv: bool = False) -> VertexUV:
     return VertexUV(origin, faces, of_vertex, (*notes, *cut, *_left_out(mesh)))
 
 
-def _into_unit_square(where: object, uv: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
+def _into_unit_square(where: Path | str, uv: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
     flat = uv.reshape(-1, 2)
     low, high = np.floor(flat.min(axis=0) + SAME_UV), np.ceil(flat.max(axis=0) - SAME_UV)
     tiles = float((high - low).max())

@@ -6,8 +6,10 @@ from pathlib import Path
 import numpy as np
 
 from garmentbench.importing.motions.load import ImportedClip
-from garmentbench.importing.motions.recording import world
+from garmentbench.importing.motions.names import NameMap
+from garmentbench.importing.motions.recording import Recording, world
 from garmentbench.importing.motions.retarget import standing_height
+from garmentbench.importing.motions.skeleton import Upright
 from garmentbench.motion.clip import Clip
 from garmentbench.scenes.bodies import BakedBody, pose, pose_exact
 from garmentbench.storage.atomic import written_whole
@@ -22,14 +24,14 @@ _UNEVEN = 0.05  # a difference between the feet that is worth a line [m]
 def findings(imported: ImportedClip, baked: BakedBody) -> Iterator[str]:
     """The lines: the skeleton, its names, its feet before and after planting, arms inside the torso."""
     clip = imported.clip
-    if imported.recording is not None:
-        yield from _skeleton(imported)
+    if imported.recording is not None and imported.upright is not None and imported.names is not None:
+        yield from _skeleton(imported, imported.recording, imported.upright, imported.names)
     share = 100 * clip.standing.mean(axis=0)
     yield (
         f"result: {len(clip)} frames at {clip.fps:g} a second on body {baked.body.name}; "
         f"left foot on the ground in {share[0]:.0f} %, right in {share[1]:.0f} %"
     )
-    for side, never in zip(("left", "right"), ~clip.standing.any(axis=0), strict=True):
+    for side, never in zip(("left", "right"), np.asarray(~clip.standing.any(axis=0)), strict=True):
         if never:
             yield (
                 f"warning: the {side} foot never stands: right only for somebody who jumps or hops throughout; else "
@@ -61,8 +63,7 @@ def arms_line(inside: float, arm_space: float) -> str:
     )
 
 
-def _skeleton(imported: ImportedClip) -> Iterator[str]:
-    recording, upright = imported.recording, imported.upright
+def _skeleton(imported: ImportedClip, recording: Recording, upright: Upright, names: NameMap) -> Iterator[str]:
     length = f"{len(recording)} frames at {recording.fps:.4g} a second, {recording.seconds:.2f} s"
     yield f"recording: {length}, {len(recording.names)} joints"
     yield from recording.notes
@@ -80,23 +81,23 @@ def _skeleton(imported: ImportedClip) -> Iterator[str]:
     if upright.straightened > 1:
         bent = f"{upright.straightened:.0f} degrees"
         yield f"elbows: bent by {bent} in its T-pose; taken as straight, as on Daz's figures"
-    yield from _jumps(imported)
-    left, right = _uneven(imported)
+    yield from _jumps(upright)
+    left, right = _uneven(upright.at_rate(imported.clip.fps))
     if abs(left - right) > _UNEVEN:
         where = "above" if left > right else "below"
         yield f"uneven: the left foot stands {100 * abs(left - right):.0f} cm {where} the right one"
-    yield f"names: {imported.names.convention}"
-    yield from ("  " + line for line in imported.names.lines())
+    yield f"names: {names.convention}"
+    yield from ("  " + line for line in names.lines())
 
 
-def _jumps(imported: ImportedClip) -> Iterator[str]:
+def _jumps(upright: Upright) -> Iterator[str]:
     """Where a joint moves faster than anybody can: a fault of the recording."""
-    recording, joints = imported.upright.recording, list(imported.upright.joints.values())
+    recording, joints = upright.recording, list(upright.joints.values())
     _, positions = world(recording)
     speed = np.linalg.norm(np.diff(positions[:, joints], axis=0), axis=-1) * recording.fps
     fast = np.flatnonzero(speed.max(axis=1, initial=0) > _FASTEST)
     if len(fast):
-        first, last = (imported.upright.start + f / recording.fps for f in (fast[0], fast[-1]))
+        first, last = (upright.start + f / recording.fps for f in (fast[0], fast[-1]))
         joint = recording.names[joints[speed[fast[0]].argmax()]]
         yield (
             f"jumps: {len(fast)} frames from {first:.2f} to {last:.2f} s, {joint} first, at up to {speed.max():.0f} "
@@ -104,11 +105,10 @@ def _jumps(imported: ImportedClip) -> Iterator[str]:
         )
 
 
-def _uneven(imported: ImportedClip) -> np.ndarray:
+def _uneven(upright: Upright) -> np.ndarray:
     """Height of the recording's left and right ankle while they stand [m], shape (2,)."""
-    upright = imported.upright.at_rate(imported.clip.fps)
     ankles = world(upright.recording)[1][:, [upright.joints["foot.L"], upright.joints["foot.R"]]]
-    slow = np.linalg.norm(np.gradient(ankles, 1 / imported.clip.fps, axis=0), axis=-1) < 0.35
+    slow = np.linalg.norm(np.gradient(ankles, 1 / upright.recording.fps, axis=0), axis=-1) < 0.35
     return standing_height(ankles, slow)
 
 
@@ -149,8 +149,10 @@ def arms_inside(clip: Clip, baked: BakedBody) -> float:
     chosen = np.unique(np.linspace(0, len(clip) - 1, _LOOKED_AT).round().astype(int))
     vertices = pose(baked, clip.rotations[chosen], clip.root[chosen])
     names = baked.body.part_names
-    arms = np.isin(baked.body.labels, [names.index("fore_arm"), names.index("rear_arm")])
-    fore_arms = baked.body.labels == names.index("fore_arm")
+    labels = baked.body.labels
+    assert labels is not None, "a baked body has parts"
+    arms = np.isin(labels, [names.index("fore_arm"), names.index("rear_arm")])
+    fore_arms = labels == names.index("fore_arm")
     rest = baked.body.faces[~arms[baked.body.faces].any(axis=1)]
     distances = signed_distances(vertices[:, fore_arms], vertices, rest)
     return float((distances < -_INSIDE).any(axis=1).mean())

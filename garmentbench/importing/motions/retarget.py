@@ -73,7 +73,8 @@ def retarget(upright: Upright, baked: BakedBody) -> Clip:
     """
     recording, joints = upright.recording, upright.joints
     rotations, positions = world(recording)
-    ankles, toes = (_pair(positions, joints, name) for name in ("foot", "toes"))
+    ankles, hips = (positions[:, [joints[f"{name}.L"], joints[f"{name}.R"]]] for name in ("foot", "thigh"))
+    toes = _pair(positions, joints, "toes")
     standing = standing_feet(ankles, toes, recording.fps)
     flat = flat_feet(ankles, toes, recording.fps)
     constant = calibrate(upright, np.where(flat.any(axis=0), flat, standing), baked)
@@ -82,14 +83,14 @@ def retarget(upright: Upright, baked: BakedBody) -> Clip:
         parent = baked.parents[i]
         ours[:, i] = rotations[:, joints[name]] @ constant[name] if name in constant else ours[:, max(parent, 0)]
     _bend_spine(baked, ours)
-    root = _root(baked, ours, _pair(positions, joints, "thigh").mean(axis=1), standing_height(ankles, standing).min())
+    root = _root(baked, ours, hips.mean(axis=1), standing_height(ankles, standing).min())
     return Clip(ours, root, standing, recording.fps, rest_leg(baked, "L").reach)
 
 
 def _pair(positions: np.ndarray, joints: dict[str, int], name: str) -> np.ndarray | None:
     """Positions of a left and right joint, shape (T, 2, 3); None where the recording has none."""
-    pair = [joints.get(f"{name}.{side}") for side in "LR"]
-    return None if None in pair else positions[:, pair]
+    pair = [joints[f"{name}.{side}"] for side in "LR" if f"{name}.{side}" in joints]
+    return positions[:, pair] if len(pair) == 2 else None
 
 
 def _bend_spine(baked: BakedBody, rotations: np.ndarray) -> None:

@@ -1,10 +1,1 @@
 """OpenUSD, whose wheel has no types."""
-
-from typing import Any
-
-Gf: Any
-Sdf: Any
-Tf: Any
-Usd: Any
-UsdGeom: Any
-Vt: Any
