@@ -88,8 +88,7 @@ def studies(results: Results) -> list[SceneStudy]:
 
 def _model_error(results: Frame, scene: str, garment: str) -> tuple[float, str]:
     """The full model's error [cm] over the whole roll-out, mean over the seeds, and its scene."""
-    table: Any = results  # whose stubs take selected rows for an array
-    rows = table[(table.method == "motion_guided") & (table.variant == "full") & (table.metric == "rollout_l2")]
+    rows = results[(results.method == "motion_guided") & (results.variant == "full") & (results.metric == "rollout_l2")]
     rows = rows[(rows.garment == garment) & (rows.split == "test") & rows.value.notna()]
     if len(rows) == 0:
         return math.nan, ""

@@ -1,7 +1,5 @@
 """The map of motions, in the manner of figure 5 of the paper."""
 
-from typing import Any
-
 import matplotlib
 import numpy as np
 from matplotlib.figure import Figure

@@ -66,8 +66,9 @@ def read_hdf5(path: Path) -> MeshSequence:
 def _stored(file: h5py.File, name: str) -> np.ndarray:
     """A dataset's array; a text of variable length, as other programs write it, by its own way."""
     link = file.get(name, getlink=True)
-    if name == "up" and isinstance(link, h5py.HardLink) and h5py.check_string_dtype(file[name].dtype) is not None:
-        return np.asarray(file[name][()])
+    text: Any = file[name] if name == "up" and isinstance(link, h5py.HardLink) else None
+    if text is not None and h5py.check_string_dtype(text.dtype) is not None:
+        return np.asarray(text[()])
     found = hdf5.dataset(file, name)
     assert found is not None  # since the name is there
     return np.asarray(found[()])

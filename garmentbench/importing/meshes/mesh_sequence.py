@@ -48,6 +48,12 @@ class MeshSequence:
         return self.files[0] if self.files else self.name
 
     @property
+    def required_times(self) -> np.ndarray:
+        """When each frame is, shape (T,), for work on files that say so."""
+        assert self.times is not None, "ask `times` first"
+        return self.times
+
+    @property
     def still(self) -> np.ndarray:
         """The rest positions, or else the first frame, shape (V, 3)."""
         return self.frames[0] if self.rest is None else self.rest

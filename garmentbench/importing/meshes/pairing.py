@@ -98,25 +98,25 @@ def _comparable(
 ) -> tuple[tuple[np.ndarray, np.ndarray], tuple[str, ...]]:
     """Times of both in one unit, and notes. Frames are counted from 0 by some formats, and from 1 by others."""
     if garment.counted == body.counted:
-        return (garment.times, body.times), ()
+        return (garment.required_times, body.required_times), ()
     timed, counted = (body, garment) if garment.counted else (garment, body)
     rate = fps or timed.fps
     if not rate:
-        return (garment.times - garment.times[0], body.times - body.times[0]), ()
-    seconds = counted.times / rate
-    if abs(seconds[0] - timed.times[0]) * rate <= _ONE_FRAME:
-        seconds = seconds - seconds[0] + timed.times[0]
+        return (garment.required_times - garment.required_times[0], body.required_times - body.required_times[0]), ()
+    seconds = counted.required_times / rate
+    if abs(seconds[0] - timed.required_times[0]) * rate <= _ONE_FRAME:
+        seconds = seconds - seconds[0] + timed.required_times[0]
         note = ("frames: one file counts them, the other has times; taken to begin together",)
     else:
         note = (f"frames: the numbers of {counted.where} are taken as times at {rate:g} a second, from 0 on",)
-    return ((seconds, body.times) if garment.counted else (garment.times, seconds)), note
+    return ((seconds, body.required_times) if garment.counted else (garment.required_times, seconds)), note
 
 
 def _only(mesh: MeshSequence, kept: np.ndarray, rate: float | None) -> MeshSequence:
     """Some of the frames; still mapped from the file where they follow each other."""
     first, last = int(kept[0]), int(kept[-1])
     frames = mesh.frames[first : last + 1] if last - first + 1 == len(kept) else mesh.frames[kept]
-    return replace(mesh, frames=frames, times=mesh.times[kept], fps=rate if rate is not None else mesh.fps)
+    return replace(mesh, frames=frames, times=mesh.required_times[kept], fps=rate if rate is not None else mesh.fps)
 
 
 def _span(mesh: MeshSequence, times: np.ndarray) -> str:
