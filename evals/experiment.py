@@ -53,7 +53,7 @@ class Experiment:
         """Raises `UserError` where something that it needs is not installed."""
 
     def work(self, preset: Preset, seeds: int) -> Work:
-        """Its jobs and rows, with so many trainings of what has chance in it. Raises `UserError` for a wrong name."""
+        """Its jobs and rows; `seeds` trainings of each method that has chance in it. Raises `UserError` for a wrong name."""
         raise NotImplementedError
 
     def sections(self, results: "Results") -> "list[Section]":
@@ -89,7 +89,7 @@ def named(measured: Row | dict[str, Any], columns: Row, run: str = "") -> Row:
 def failed_row(columns: Row, failure: Failure, metric: str = "rollout_l2") -> Row:
     """The row of a line that could not be computed at all.
 
-    It stays in the tables, with its status and what was said.
+    It stays in the tables, with its status and message.
     """
     return replace(columns, metric=metric, unit="cm", status="failed", run_id=f"({failure.message})")
 

@@ -19,9 +19,7 @@ from garmentbench.simulation.drive import STRAIN_LIMIT
 from garmentbench.simulation.outfit import Outfit
 
 
-def simulate_again(
-    scene: Scene, preset: Preset, refined: bool, device: str = "cpu"
-) -> tuple[np.ndarray, dict[str, Any]]:
+def rerun_scene(scene: Scene, preset: Preset, refined: bool, device: str = "cpu") -> tuple[np.ndarray, dict[str, Any]]:
     """Simulate a scene, of two layers both.
 
     Args:
@@ -32,7 +30,7 @@ def simulate_again(
 
     Returns:
         Positions after the warm-up of the vertices that the garment's own mesh has [m], shape (T, V, 3), float32, as
-        long as they are finite; and what came of it: substeps, ms_per_frame, status ("ok" or "diverged"),
+        long as they are finite; and the outcome: substeps, ms_per_frame, status ("ok" or "diverged"),
         first_bad_frame. A run is judged after the warm-up: a push at the start may strain the cloth for a moment more
         than it may be.
 
@@ -55,13 +53,13 @@ def simulate_again(
         worn = outfit.simulate(outfit.frames, device, step=mark)
     outer = worn[-1].run
     good = outer.strain[warm_up:, 1] <= STRAIN_LIMIT
-    told = {
+    outcome = {
         "substeps": outer.substeps,
         "ms_per_frame": 1e3 * len(worn) * (marks[-1] - marks[0]) / (len(marks) - 1),  # the first frame may compile
         "status": OK if good.all() else DIVERGED,
         "first_bad_frame": None if good.all() else int(np.argmin(good)),
     }
-    return outer.positions[warm_up : worn[-1].finite, :vertices].astype(np.float32), told
+    return outer.positions[warm_up : worn[-1].finite, :vertices].astype(np.float32), outcome
 
 
 def _with_finer_mesh(outfit: Outfit, scene: Scene) -> Outfit:

@@ -98,16 +98,16 @@ def simulate_variant(scene: Scene, preset: Preset, variant: Variant) -> str:
     results are substeps, ms_per_frame, status and first_bad_frame.
     """
     from garmentbench.device import has_cuda, quiet_warp
-    from garmentbench.evals.convergence.rerun import simulate_again
+    from garmentbench.evals.convergence.rerun import rerun_scene
 
     with RunStore().open(CONVERGENCE, _identity(scene, preset, variant)) as run:
         if not run.finished:
             quiet_warp()
             device = "cuda:0" if has_cuda() else "cpu"
-            positions, told = simulate_again(changed(scene, variant), preset, variant.refined, device)
+            positions, outcome = rerun_scene(changed(scene, variant), preset, variant.refined, device)
             with written_whole(run.folder / POSITIONS) as partial, partial.open("wb") as file:
                 np.save(file, positions)
-            run.finish(told)
+            run.finish(outcome)
     return run.id
 
 

@@ -26,7 +26,7 @@ AIR_REACH = 0.06  # [m] as in the reference: from here on the air moves with the
 
 @dataclass(frozen=True)
 class VbdRun:
-    """What came of it: garment positions [m], shape (T, V, 3), float32, and wall time a frame [ms] but the first's."""
+    """The result: garment positions [m], shape (T, V, 3), float32, and wall time a frame [ms] but the first's."""
 
     positions: np.ndarray
     ms_per_frame: float

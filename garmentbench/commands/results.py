@@ -1,4 +1,4 @@
-"""Commands about experiments and what came of them: evals, runs, report, view."""
+"""Commands about experiments and their results: evals, runs, report, view."""
 
 from dataclasses import dataclass
 from pathlib import Path
