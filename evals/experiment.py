@@ -53,7 +53,7 @@ class Experiment:
         """Raises `UserError` where something that it needs is not installed."""
 
     def work(self, preset: Preset, seeds: int) -> Work:
-        """Its jobs and rows; `seeds` trainings of each method that has chance in it. Raises `UserError` for a wrong name."""
+        """Its jobs and rows; `seeds` trainings of a method that has chance in it. Raises `UserError`."""
         raise NotImplementedError
 
     def sections(self, results: "Results") -> "list[Section]":
