@@ -77,8 +77,10 @@ def test_it_works_without_the_checkout_and_writes_to_the_working_folder(installe
 
 
 def test_its_report(installed, tmp_path):
-    installed(tmp_path, "-m", "garmentbench", "evals", "stick", "--preset", "smoke", "--home", "mine")
-    first = (tmp_path / "mine/reports/smoke/index.html").read_bytes()
-    assert "index.html" in installed(tmp_path, "-m", "garmentbench", "report", "--preset", "smoke", "--home", "mine")
-    assert (tmp_path / "mine/reports/smoke/index.html").read_bytes() == first
-    assert [p.name for p in tmp_path.iterdir()] == ["mine"]
+    (tmp_path / "mine.toml").write_text('train = ["sheet-stick-a"]\ntest = ["sheet-stick-b"]\nentries = ["hold"]\n')
+    file = ("mine.toml", "--preset", "smoke", "--home", "home")
+    installed(tmp_path, "-m", "garmentbench", "evals", *file)
+    first = (tmp_path / "home/reports/mine-smoke/index.html").read_bytes()
+    assert "index.html" in installed(tmp_path, "-m", "garmentbench", "report", *file)
+    assert (tmp_path / "home/reports/mine-smoke/index.html").read_bytes() == first
+    assert {p.name for p in tmp_path.iterdir()} == {"home", "mine.toml"}
