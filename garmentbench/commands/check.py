@@ -25,7 +25,9 @@ class Check:
         body: Say where a mesh starts inside this body: a baked one (base, slim ...), a mesh, or a sequence's.
         mesh: Which object of an OBJ file is the garment: a name, some with commas between, or all.
         fix: Write the garment, repaired where that is safe, to this .obj or .npz file, and check that.
-        units: The mesh's unit, for --fix: m, cm or mm. Not needed where its size tells.
+        units: The mesh's unit, for --fix: m, cm, mm, in or ft. Not needed where its size tells.
+        up: The axis that points up in the file, for --fix: x, y, z, or the other way round, e.g. --up=-y.
+        shift: Move the mesh by this [m], for --fix: up, or x,y,z, e.g. --shift 0.9 or --shift=-2,0,0.
         make_uv: With --fix, make a UV map by xatlas where the mesh's overlaps or folds; a .npz without one gets one.
         weld: With --fix, weld borders that lie this near [m]. By default a hundred-thousandth of the garment's size.
     """
@@ -36,6 +38,8 @@ class Check:
     mesh: str = ""
     fix: Path | None = None
     units: str = ""
+    up: str = "z"
+    shift: str = ""
     make_uv: bool = False
     weld: float | None = None
 
@@ -52,13 +56,16 @@ class Check:
 
     def _refuse_odd_calls(self) -> None:
         from garmentbench.importing.mesh_doctor.files import writable
-        from garmentbench.importing.mesh_doctor.repairs import UNITS
+        from garmentbench.importing.meshes.conventions import AXES, UNITS
 
         for name, given in (("--units", self.units), ("--make-uv", self.make_uv), ("--weld", self.weld is not None)):
             if given and self.fix is None:
                 raise UsageError(f"check: {name} says how to repair; give --fix OUT.obj or OUT.npz with it")
         if self.units and self.units not in UNITS:
             raise UsageError(f"--units is '{self.units}'; wanted {', '.join(UNITS)}")
+        if self.up not in AXES:
+            raise UsageError(f"--up is '{self.up}'; wanted {', '.join(AXES)}")
+        _shift(self.shift)
         if self.weld is not None and not 0 < self.weld < 0.1:
             raise UsageError(f"--weld is {self.weld:g}; wanted metres above 0 and below 0.1")
         if self.fix is not None:
@@ -86,7 +93,7 @@ class Check:
         from garmentbench.importing.mesh_doctor.repairs import mend
 
         make_uv = self.make_uv or (mesh.uv is None and out.suffix == ".npz")  # where a garment can't be without
-        mended, lines = mend(mesh, wearer, self.units or None, make_uv, self.weld)
+        mended, lines = mend(mesh, wearer, self.units or None, self.up, _shift(self.shift), make_uv, self.weld)
         lines += write_mesh(out, mended)
         for line in lines or ["nothing to repair"]:
             print(f"fix: {line}")
@@ -96,6 +103,7 @@ class Check:
         from garmentbench import sequence_file
         from garmentbench.importing.mesh_doctor.examine import examine_template
         from garmentbench.importing.mesh_doctor.files import mesh_of
+        from garmentbench.importing.mesh_doctor.worn import never_worn
         from garmentbench.sequence_file.examine import check_sequence
         from garmentbench.viewing.first_frame import draw_first_frame
 
@@ -103,11 +111,24 @@ class Check:
         if not errors(problems):
             first = sequence_file.load(self.file, frames=1)
             print(f"{self.file}: {_uncertainty(first.uncertainty_cm)}")
+            problems += never_worn(first)
             found = examine_template(mesh_of(first.template.garment))
             problems += [replace(f.problem, where=f"garment {f.problem.where}", warning=True) for f in found]
             if self.picture is not None:
                 draw_first_frame(self.file, self.picture)
         _verdict(self.file, problems)
+
+
+def _shift(given: str) -> tuple[float, float, float]:
+    """The shift of --shift. Raises `UsageError`."""
+    try:
+        numbers = [float(word) for word in given.split(",")] if given else [0.0]
+    except ValueError:
+        numbers = []
+    if len(numbers) not in (1, 3) or not all(abs(x) < 100 for x in numbers):
+        raise UsageError(f"--shift is '{given}'; wanted metres, up or x,y,z, e.g. 0.9 or 0,0,0.9")
+    x, y, z = numbers if len(numbers) == 3 else (0.0, 0.0, numbers[0])
+    return x, y, z
 
 
 def _uncertainty(cm: float | None) -> str:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from garmentbench.importing.mesh_doctor import body, coincident, connections, shape, substeps, uv
+from garmentbench.importing.mesh_doctor import body, coincident, connections, shape, substeps, uv, worn
 from garmentbench.importing.mesh_doctor.body import Wearer
 from garmentbench.importing.mesh_doctor.finding import Finding, counted
 from garmentbench.importing.mesh_doctor.mesh import Mesh
@@ -20,8 +20,12 @@ def examine(mesh: Mesh, wearer: Wearer | None = None) -> list[Finding]:
         return broken
     found, known = shape.scale(mesh), shape.unit(mesh.size)
     metric = mesh.scaled(known[1] if known else 1.0)
-    in_metres = wearer if known else None
-    found += shape.up_axis(metric) + shape.degenerate(metric) + connections.unused(metric)
+    beside = worn.not_worn(metric, wearer, known[0]) if known and wearer is not None else []
+    in_metres = wearer if known and not beside else None
+    if known is None and wearer is not None:
+        found = worn.unit_worn(mesh, wearer) or found
+    found += beside or shape.up_axis(metric)
+    found += shape.degenerate(metric) + connections.unused(metric)
     found += connections.repeated_faces(metric)
     metric = connections.without_doubles(metric)
     found += connections.non_manifold(metric) + connections.flipped(

@@ -14,14 +14,16 @@ from garmentbench.importing.mesh_doctor.mesh import Mesh
 from garmentbench.importing.mesh_doctor.orientation import inward_patches
 from garmentbench.importing.mesh_doctor.shape import FLAT, POINT, heights
 from garmentbench.importing.mesh_doctor.topology import components, doubles, repeats_a_corner, sides, winding
-
-UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+from garmentbench.importing.mesh_doctor.worn import is_worn
+from garmentbench.importing.meshes.conventions import UNITS, converter
 
 
 def mend(
     mesh: Mesh,
     wearer: Wearer | None = None,
     units: str | None = None,
+    up: str = "z",
+    shift: tuple[float, float, float] = (0.0, 0.0, 0.0),
     make_uv: bool = False,
     tolerance: float | None = None,
 ) -> tuple[Mesh, list[str]]:
@@ -30,7 +32,9 @@ def mend(
     Args:
         mesh: The garment.
         wearer: The body that it is pushed out of and turned away from, if any.
-        units: The mesh's unit, a key of `UNITS`; None: scaled only where it can be told.
+        units: The mesh's unit, a key of `UNITS`; None: scaled only where its size tells.
+        up: The axis of the file that points up, a key of `AXES`; it is turned to z.
+        shift: By which it is moved then [m].
         make_uv: Make a new UV map by xatlas where there is none or it overlaps or folds.
         tolerance: Borders this near are welded [m]; None: `coincident.TOLERANCE` of the garment's size.
 
@@ -43,6 +47,10 @@ def mend(
     if broken:
         raise UserError(f"{mesh.name}: {broken[0].problem}")
     mesh, lines = _to_metres(mesh, units)
+    if up != "z" or any(shift):
+        mesh = replace(mesh, vertices=mesh.vertices @ converter(1.0, up).T + np.array(shift))
+        moved = f"moved by ({', '.join(f'{x:g}' for x in shift)}) m" if any(shift) else ""
+        lines.append(" and ".join(filter(None, (f"turned from {up} up to z up" if up != "z" else "", moved))))
     for repair in (drop_unused, merge_points, drop_doubles, drop_flat):
         mesh, notes = repair(mesh)
         lines += notes
@@ -55,6 +63,9 @@ def mend(
     mesh, notes = drop_doubles(mesh)
     lines += notes
     metric = shape.unit(mesh.size) == ("m", 1.0)
+    if wearer is not None and metric and not is_worn(mesh, wearer):
+        lines.append(f"left as it lies: '{wearer.body.name}' is not in it, so that nothing is pushed")
+        wearer = None
     mesh, notes = turn_faces(mesh, wearer if metric else None)
     lines += notes
     mesh = mesh.compact()

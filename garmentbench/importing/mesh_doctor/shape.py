@@ -9,6 +9,7 @@ from garmentbench.errors import Problem
 from garmentbench.importing.mesh_doctor.finding import Finding, counted, listed
 from garmentbench.importing.mesh_doctor.mesh import Mesh
 from garmentbench.importing.mesh_doctor.topology import repeats_a_corner
+from garmentbench.importing.meshes.conventions import UNITS
 from garmentbench.sequence_file.array_checks import LARGEST, SMALLEST
 
 FLAT = 1e-6  # height over longest edge: no area
@@ -76,12 +77,12 @@ def points_as_edges(mesh: Mesh) -> np.ndarray:
 def unit(size: float) -> tuple[str, float] | None:
     """Unit and its metres of a garment of some diagonal; None where more than one unit would do.
 
-    >>> unit(1.1), unit(95.0), unit(1100.0), unit(300.0)
-    (('m', 1.0), ('cm', 0.01), ('mm', 0.001), None)
+    >>> unit(1.1), unit(130.0), unit(1100.0), unit(300.0), unit(95.0)
+    (('m', 1.0), ('cm', 0.01), ('mm', 0.001), None, None)
     """
     if SMALLEST <= size <= LARGEST:
         return "m", 1.0
-    if 20 <= size <= 250:
+    if 110 < size <= 250:  # below, inches are as likely
         return "cm", 0.01
     return ("mm", 0.001) if 400 <= size <= 3000 else None
 
@@ -93,8 +94,12 @@ def scale(mesh: Mesh) -> list[Finding]:
         return []
     what = f"measures {mesh.size:.3g} across, wanted {SMALLEST:g} to {LARGEST:g} m"
     if guess is None:
-        do = "convert to metres, or say --units cm or mm with --fix"
-        return [Finding(Problem("scale", f"{what}; the unit can't be told from that", do))]
+        likely = " or ".join(
+            f"{name} ({mesh.size * size:.2g} m)" for name, size in UNITS.items() if 0.25 <= mesh.size * size <= 5
+        )
+        do = "say which with --fix and --units (m, cm, mm, in, ft)"
+        found = f"{what}; the unit can't be told from that" + (f": {likely}?" if likely else "")
+        return [Finding(Problem("scale", found, do))]
     name, factor = guess
     do = f"multiply all positions by {factor:g} (--fix does); everything else is said as if that were done"
     return [Finding(Problem("scale", f"{what}: in {name}", do))]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from garmentbench import sequence_file
-from garmentbench.errors import UsageError, UserError
+from garmentbench.errors import Problem, UsageError, UserError
 from garmentbench.importing.meshes.conventions import Conventions, Given, find_conventions, unit_name
 from garmentbench.importing.meshes.frame_check import check_frames
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence, refusal
@@ -23,6 +23,7 @@ from garmentbench.reference import IDENTITY
 from garmentbench.sequence import GARMENT, HUMAN, Body, Garment, Sequence, Template
 
 _HIGHEST, _LOWEST = 3.0, 0.5  # of a human body [m], by the units that a file states
+_MUCH, _MOSTLY = 5.0, 50.0  # [%] of the garment inside the body: a warning, and an error
 _APART = 0.3  # [m] between the bounding boxes of garment and body in frame 0
 _MEASURED = 400_000  # vertices, over all frames, whose depth is measured: a few seconds
 
@@ -68,10 +69,30 @@ def import_files(garment: Place, body: Place, wanted: Wanted, out: Path) -> list
         sequence, notes = import_meshes(*read_both(garment, body), wanted)
     if sequence.template.needs.interpenetration and "interpenetration" not in sequence.scores:
         sequence = measured(sequence)
-        percent = sequence.scores["interpenetration_strict"]
-        notes.append(f"interpenetration: {percent:.3g} % of the garment's vertices lie inside the body")
+        notes.append(_inside(sequence))
+        notes += [f"warning: {problem.where}: {problem.what}" for problem in _never_worn(sequence)]
     sequence_file.save(sequence, out)
     return notes
+
+
+def _inside(sequence: Sequence) -> str:
+    """How much of the garment is inside the body. Raises `UserError` where that is most of it."""
+    percent = sequence.scores["interpenetration_strict"]
+    line = f"interpenetration: {percent:.3g} % of the garment's vertices lie inside the body"
+    if percent > _MOSTLY:
+        body = sequence.template.body
+        where = sequence.template.garment.name if body is None else f"{sequence.template.garment.name} on {body.name}"
+        do = "export both with one origin, axes, unit and time (--units, --up, --same-start), or name the right body"
+        raise refusal(where, f"{percent:.3g} % of the garment lies inside the body, wanted it worn", do)
+    if percent > _MUCH:
+        return f"warning: {line}: do both have the same times, axes and unit, and is this its body?"
+    return line
+
+
+def _never_worn(sequence: Sequence) -> list[Problem]:
+    from garmentbench.importing.mesh_doctor.worn import never_worn
+
+    return never_worn(sequence)
 
 
 def _own_sequence(source: str) -> Sequence | None:

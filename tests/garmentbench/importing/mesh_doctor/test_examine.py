@@ -159,10 +159,12 @@ FAULTS = {
     "a fold in UV": (folded, [
         "warning: uv: 2 faces flipped in UV against the rest of the chart, at face", " faces overlap in UV (within 1 chart), by "]),
     "overlapping charts": (overlapping, ["error: uv: 1920 faces overlap in UV (1 pair of charts), by 25 % of the map, most of all"]),
-    "centimetres": (lambda: CLEAN.scaled(100.0), [
-        "error: scale: measures 73.5 across, wanted 0.05 to 8 m: in cm; multiply all positions by 0.01"]),
+    "centimetres": (lambda: CLEAN.scaled(180.0), [
+        "error: scale: measures 132 across, wanted 0.05 to 8 m: in cm; multiply all positions by 0.01"]),
+    "centimetres or inches": (lambda: CLEAN.scaled(40.0), [
+        "the unit can't be told from that: cm (0.29 m) or in (0.75 m)?; say which with --fix and --units"]),
     "millimetres": (lambda: CLEAN.scaled(1000.0), [": in mm; multiply all positions by 0.001"]),
-    "some unit": (lambda: CLEAN.scaled(400.0), ["the unit can't be told from that; convert to metres, or say --units"]),
+    "some unit": (lambda: CLEAN.scaled(400.0), ["the unit can't be told from that: cm (2.9 m) or mm (0.29 m)?; say which with --fix and --units"]),
     "y up, by place": (lambda: lying(CLEAN, 1.0), [
         "warning: axes: y looks like up, wanted z: its middle lies 1 m along y and 0 m along z; turn it"]),
     "y up, by shape": (lambda: replace(CLEAN, vertices=lying(CLEAN, 0).vertices * [3, 1, 0.5]), [

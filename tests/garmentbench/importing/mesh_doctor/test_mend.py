@@ -158,18 +158,18 @@ def test_the_body_says_where_out_is():
 @pytest.mark.parametrize(
     ("factor", "says"),
     [
-        (100, "scaled from cm to m, by 0.01 (it measured 73.48 across)"),
+        (180, "scaled from cm to m, by 0.01 (it measured 132.3 across)"),
         (1000, "scaled from mm to m, by 0.001 (it measured 734.8 across)"),
     ],
 )
 def test_units_are_changed_where_they_can_be_told(factor, says):
     mended, lines = twice(CLEAN.scaled(factor))
     assert lines == [says]
-    np.testing.assert_allclose(mended.vertices, CLEAN.vertices)
+    np.testing.assert_allclose(mended.vertices, CLEAN.vertices * (1.8 if factor == 180 else 1))
 
 
 def test_units_that_can_t_be_told_are_left_unless_given():
-    assert mend(CLEAN.scaled(400.0))[1] == []
+    assert mend(CLEAN.scaled(400.0))[1] == mend(CLEAN.scaled(100.0))[1] == []
     mended, lines = mend(CLEAN.scaled(1000.0), units="mm")
     assert lines == ["scaled from mm to m, by 0.001 (as --units says)"] and left(mended) == []
 
@@ -234,7 +234,7 @@ def test_uv_are_made_where_asked_and_needed():
 
 
 def test_everything_at_once():
-    mesh = soup(CLEAN).scaled(100.0)
+    mesh = soup(CLEAN).scaled(1000.0)
     mesh = turned(mesh, np.arange(0, 1000, 7))
     mesh = more(mesh, [[1, 2, 3]], [mesh.faces[3]], [[0, 0]])
     mended, lines = twice(replace(mesh, uv=mesh.uv * 2), wearer=BALL)

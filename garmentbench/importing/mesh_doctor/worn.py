@@ -1,0 +1,219 @@
+"""Is a garment on its body? The body goes through its openings; and what would bring it there, where it doesn't."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+
+from garmentbench.errors import Problem
+from garmentbench.geometry.mesh import unique_edges
+from garmentbench.geometry.nearest import nearest_vertices
+from garmentbench.importing.mesh_doctor.body import Wearer, depths
+from garmentbench.importing.mesh_doctor.finding import Finding
+from garmentbench.importing.mesh_doctor.mesh import Mesh
+from garmentbench.importing.mesh_doctor.topology import borders
+from garmentbench.importing.meshes.conventions import UNITS, converter
+from garmentbench.sequence import HUMAN, Sequence
+
+NEAR = 0.1  # [m] a garment with one border (a cape) is worn where it is this near
+_SIZES = 0.25, 2.5  # diagonal of a garment [m]
+_STEP = 0.1  # [m] of the heights that are tried
+_BESIDE = 0.3  # [m] from the body's axis, from where on it is tried to bring a garment back
+_LOWEST = 0.2  # of the body's height: no garment's middle is below
+_TALL = 1.0  # [m] a body that stands on soles
+_SOLES = 0.05  # of the body's height: a garment whose middle is below is no garment on feet
+_PELVIS = 0.5  # height of the pelvis over that of the body
+_FEW = 5.0  # [%] of the vertices inside: then it is worn well enough to be proposed
+_CHUNK = 2_000  # body edges tested at once
+
+
+@dataclass(frozen=True)
+class Change:
+    """What brings a garment on its body: unit, then axes, then a shift.
+
+    Attributes:
+        units: A key of `UNITS`.
+        up: "x", "y" or "z": which axis is up.
+        shift: [m], after the turn.
+    """
+
+    units: str = "m"
+    up: str = "z"
+    shift: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def of(self, mesh: Mesh) -> Mesh:
+        """The mesh so changed."""
+        return replace(mesh, vertices=mesh.vertices @ converter(UNITS[self.units], self.up).T + np.array(self.shift))
+
+    def options(self) -> str:
+        """The options that ask for it."""
+        shift = f"--shift={','.join(f'{x:g}' for x in self.shift)}" if any(self.shift) else ""
+        words = (
+            f"--units {self.units}" if self.units != "m" else "",
+            f"--up {self.up}" if self.up != "z" else "",
+            shift,
+        )
+        return " ".join(filter(None, words))
+
+    def words(self) -> str:
+        """The same for a reader, e.g. "y up, +0.9 m"."""
+        up, unit = f"{self.up} up" if self.up != "z" else "", f"in {self.units}" if self.units != "m" else ""
+        x, y, z = self.shift
+        moved = (
+            f"{z:+.2g} m"
+            if z and not (x or y)
+            else f"moved by ({x:.2g}, {y:.2g}, {z:.2g}) m"
+            if any(self.shift)
+            else ""
+        )
+        return ", ".join(filter(None, (unit, up, moved)))
+
+
+def is_worn(mesh: Mesh, wearer: Wearer) -> bool:
+    """Does the body go through an opening of the garment [m], lie within it, or is a cape near it?"""
+    points = mesh.points[np.unique(mesh.corners)]
+    low, high, body = points.min(axis=0), points.max(axis=0), wearer.body.rest
+    soles, height = body[:, 2].min(), np.ptp(body[:, 2])
+    if wearer.body.kind == HUMAN and height > _TALL and (low[2] + high[2]) / 2 < soles + _SOLES * height:
+        return False
+    openings, crossed = _openings(mesh, _skin(wearer))
+    if crossed or (openings and (depths(_hubs(mesh), wearer) > 0).any()):
+        return True
+    middle = (body.min(axis=0) + body.max(axis=0)) / 2
+    if ((low < middle) & (middle < high)).all() and ((low < body.min(axis=0)) & (high > body.max(axis=0))).any():
+        return True
+    return openings < 2 and bool(nearest_vertices(points, body)[0].min() < NEAR)
+
+
+def not_worn(mesh: Mesh, wearer: Wearer, units: str = "m") -> list[Finding]:
+    """A finding where the body isn't in the garment [m]; it names what would bring it there. `units` are the file's."""
+    if is_worn(mesh, wearer):
+        return []
+    low, high = mesh.points[mesh.corners].min(axis=(0, 1)), mesh.points[mesh.corners].max(axis=(0, 1))
+    middle = ", ".join(f"{x:.2f}" for x in (low + high) / 2)
+    what = f"not worn by '{wearer.body.name}': no part of it goes through the openings; the middle is at ({middle}) m"
+    change = proposal(mesh, wearer)
+    if change is None:
+        do = "bring it to where it is worn; --fix pushes nothing"
+    else:
+        change = replace(change, units=units)
+        do = f"{change.words()} would bring it on: --fix OUT {change.options()}; until then nothing is pushed"
+    return [Finding(Problem("body", what, do))]
+
+
+def never_worn(sequence: Sequence) -> list[Problem]:
+    """A problem where the body of a sequence, if it is a human, isn't in the garment in frame 0."""
+    template = sequence.template
+    if template.body is None or template.body.kind != HUMAN:
+        return []
+    garment, body = template.garment, replace(template.body, rest=sequence.body[0])
+    count = np.arange(len(garment.rest))
+    mesh = Mesh(garment.name, sequence.garment[0].astype(np.float64), garment.faces.astype(np.int64), None, count,
+                seams=garment.seams.astype(np.int64))  # fmt: skip
+    if is_worn(mesh, Wearer(body, None)):
+        return []
+    gap = nearest_vertices(mesh.points, body.rest)[0].min()
+    what = f"no part of '{body.name}' goes through the garment's openings in frame 0; it is {gap:.2g} m away from it"
+    do = "look at it (--picture): another origin, axes, unit or time than the body's? Import it with the right ones"
+    return [Problem("frame 0", what, do)]
+
+
+def proposal(mesh: Mesh, wearer: Wearer, units: tuple[str, ...] = ("m",)) -> Change | None:
+    """The change after which the body goes through most openings, with few vertices inside; None where none does."""
+    skin, most, found = _skin(wearer), 0, None
+    for change in _changes(mesh, wearer, units):
+        moved = change.of(mesh)
+        openings, crossed = _openings(moved, skin)
+        if crossed <= most:
+            continue
+        points = moved.points[np.unique(moved.corners)]
+        inside = 100 * float((depths(points[:: max(1, len(points) // 1000)], wearer) > 0).mean())
+        if inside <= _FEW:
+            most, found = crossed, change
+        if most == openings:
+            break
+    return found
+
+
+def _changes(mesh: Mesh, wearer: Wearer, units: tuple[str, ...]) -> Iterator[Change]:
+    """What may bring a garment on, the likely first: other units, other axes, up by a pelvis' height, other places."""
+    low, high = wearer.body.rest.min(axis=0), wearer.body.rest.max(axis=0)
+    height = float(high[2] - low[2])
+    pelvis = round(float(low[2]) + _PELVIS * height, 1)
+    heights = [
+        0.0,
+        pelvis,
+        *sorted(np.arange(-0.6 * height, 0.7 * height, _STEP).round(2), key=lambda z: abs(z - pelvis)),
+    ]
+    upright = [(u, up) for u, up in product(units, "zyx") if _SIZES[0] <= mesh.size * UNITS[u] <= _SIZES[1]]
+    for aside in (False, True):
+        for z, (unit, up) in product(heights, upright):
+            plain = Change(unit, up)
+            box = plain.of(mesh).points[mesh.corners]
+            middle = (box.min(axis=(0, 1)) + box.max(axis=(0, 1))) / 2
+            off = np.where(np.abs(middle - (low + high) / 2) > _BESIDE, middle - (low + high) / 2, 0.0)[:2]
+            if middle[2] + z < low[2] + _LOWEST * height or (aside and not off.any()):
+                continue
+            x, y = -off.round(2) if aside else (0.0, 0.0)
+            yield replace(plain, shift=(float(x) + 0.0, float(y) + 0.0, float(z)))
+
+
+def _openings(mesh: Mesh, skin: np.ndarray) -> tuple[int, int]:
+    """Number of openings, and of those that an edge of the body, shape (N, 2, 3), crosses."""
+    edges, loop = borders(mesh.sides, len(mesh.vertex))
+    crossed = 0
+    count = int(loop.max(initial=-1)) + 1
+    for k in range(count):
+        ring = mesh.points[edges[loop == k]]
+        hub = ring.mean(axis=(0, 1))
+        low, high = ring.min(axis=(0, 1)), ring.max(axis=(0, 1))
+        near = skin[((skin.max(axis=1) >= low) & (skin.min(axis=1) <= high)).all(axis=1)]
+        crossed += any(_crosses(near[s : s + _CHUNK], ring[:, 0], ring[:, 1], hub) for s in range(0, len(near), _CHUNK))
+    return count, crossed
+
+
+def _hubs(mesh: Mesh) -> np.ndarray:
+    """The middles of the openings, shape (openings, 3)."""
+    edges, loop = borders(mesh.sides, len(mesh.vertex))
+    return np.stack([mesh.points[edges[loop == k]].mean(axis=(0, 1)) for k in range(int(loop.max(initial=-1)) + 1)])
+
+
+def _skin(wearer: Wearer) -> np.ndarray:
+    """The edges of the body by the positions of their ends [m], shape (N, 2, 3)."""
+    return wearer.body.rest.astype(np.float64)[unique_edges(wearer.body.faces)]
+
+
+def _crosses(segments: np.ndarray, a: np.ndarray, b: np.ndarray, hub: np.ndarray) -> bool:
+    """Does any segment, shape (N, 2, 3), go through a triangle (a, b, hub), shapes (M, 3), (M, 3), (3,)?"""
+    u, v = a - hub, b - hub
+    normal = np.cross(u, v)
+    start, along = segments[:, None, 0] - hub, segments[:, None, 1] - segments[:, None, 0]
+    height, fall = np.sum(start * normal, axis=-1), np.sum(along * normal, axis=-1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = -height / fall
+        at = start + share[..., None] * along
+        area = np.sum(normal**2, axis=-1)
+        s = np.sum(np.cross(at, v) * normal, axis=-1) / area
+        t = np.sum(np.cross(u, at) * normal, axis=-1) / area
+    return bool(((share >= 0) & (share <= 1) & (s >= 0) & (t >= 0) & (s + t <= 1)).any())
+
+
+def unit_worn(mesh: Mesh, wearer: Wearer) -> list[Finding]:
+    """A finding on a garment whose unit its size doesn't tell, where the body does; the unit is still to be
+    confirmed.
+    """
+    change = proposal(mesh, wearer, tuple(UNITS))
+    if change is None:
+        return []
+    worn = f"on '{wearer.body.name}' it is worn {change.words()}"
+    what = f"measures {mesh.size:.3g} across: {unit_question(mesh.size)}; {worn}"
+    return [Finding(Problem("scale", what, f"give --fix OUT {change.options()} if that is right"))]
+
+
+def unit_question(size: float) -> str:
+    """The units that a garment of this diagonal may be in, e.g. "cm (0.43 m) or in (1.1 m)"; "" for none."""
+    fits = [
+        f"{name} ({size * unit:.2g} m)" for name, unit in UNITS.items() if _SIZES[0] <= size * unit <= 2 * _SIZES[1]
+    ]
+    return " or ".join(fits)
