@@ -5,12 +5,21 @@ import numpy as np
 from garmentbench.geometry.mesh import vertex_normals
 from garmentbench.geometry.nearest import nearest_vertices
 from garmentbench.importing.mesh_doctor.mesh import Mesh
-from garmentbench.importing.mesh_doctor.topology import Winding, borders
-from garmentbench.sequence import Body
+from garmentbench.importing.mesh_doctor.topology import Winding, borders, winding
+from garmentbench.sequence import Body, Garment
 
 FLAT = 1e-3  # a patch encloses nothing when volume < this times area^1.5 (a sphere's ratio: 0.094, a T-shirt's: 0.02)
 NEAR = 0.25  # [m] faces farther from the body say nothing about which side it lies on
 SURE = 0.1  # mean cosine between the normals of cloth and body below which the body does not tell
+
+
+def faces_inward(garment: Garment, body: Body | None) -> bool:
+    """Do most of a garment's faces point to its body, or into the volume that it encloses?"""
+    count = np.arange(len(garment.rest))
+    faces, seams = garment.faces.astype(np.int64), garment.seams.astype(np.int64)
+    mesh = Mesh(garment.name, garment.rest.astype(np.float64), faces, None, count, seams=seams)
+    way = winding(mesh.sides)
+    return bool((np.isin(way.patch, inward_patches(mesh, way, body)) != way.turned).mean() > 0.5)
 
 
 def inward_patches(mesh: Mesh, way: Winding, body: Body | None) -> np.ndarray:

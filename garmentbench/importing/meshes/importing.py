@@ -154,14 +154,20 @@ def import_meshes(garment: MeshSequence, body: MeshSequence | None, wanted: Want
     notes += [f"seams: {len(seams)} pairs of vertices are the same point of cloth", *([turned] if turned else [])]
     template, moving = None, None
     if body is not None:
-        template, moving, lines = _body(body, found, wanted, count)
-        notes += lines + _far(frames[0], moving[0])
+        template, moving, lines, flipped = _body(body, found, wanted, count)
+        cloth, template, hand = _handed(cloth, template, frames, moving, flipped)
+        notes += lines + hand + _far(frames[0], moving[0])
+    else:
+        notes.append("handedness: right-handed axes assumed; there is no body whose faces would tell")
     info: dict[str, Any] = {"scene": wanted.scene, "split": wanted.split, "motion": "imported"}
     info["imported"] = _provenance(garment, body, found, list(notes))
     return Sequence(Template(cloth, template, found.fps), frames, moving, info), notes
 
 
-def _body(body: MeshSequence, found: Conventions, wanted: Wanted, count: int) -> tuple[Body, np.ndarray, list[str]]:
+def _body(
+    body: MeshSequence, found: Conventions, wanted: Wanted, count: int
+) -> tuple[Body, np.ndarray, list[str], bool]:
+    """The body, how it moves, notes, and whether its faces pointed inwards."""
     unit, up = found.unit[1], found.up[1]
     moving = placed_frames(body, slice(None), unit, up, count)
     rest, turned = placed_rest(body, slice(None), unit, up, moving[0])
@@ -175,11 +181,36 @@ def _body(body: MeshSequence, found: Conventions, wanted: Wanted, count: int) ->
     notes = [
         *_reading_notes(body),
         *([turned] if turned else []),
-        *(["faces of the body pointed inwards: turned"] if flipped else []),
     ]
     if len(body.frames) == 1 and count > 1:
         notes.append("the body has one frame: it stands still")
-    return Body(wanted.body or body.name, rest, faces, kind=wanted.kind), moving, notes
+    return Body(wanted.body or body.name, rest, faces, kind=wanted.kind), moving, notes, flipped
+
+
+def _handed(
+    cloth: Garment, body: Body, frames: np.ndarray, moving: np.ndarray, flipped: bool
+) -> tuple[Garment, Body, list[str]]:
+    """Garment and body with their faces outwards, and notes. Where those of both pointed inwards the meshes are taken
+    for mirror images, as of left-handed axes or of y and z swapped, and positions are mirrored, in place.
+
+    Args:
+        cloth, body: As they were placed, the body's faces turned outwards already.
+        frames, moving: Positions of garment and body, shape (T, V, 3).
+        flipped: Did the body's faces point inwards?
+    """
+    from garmentbench.importing.mesh_doctor.orientation import faces_inward
+
+    inward = faces_inward(replace(cloth, rest=frames[0]), replace(body, rest=moving[0]))
+    if flipped and inward:
+        for positions in (cloth.rest, body.rest, frames, moving):
+            positions[..., 1] *= -1
+        note = "handedness: the faces of both meshes pointed inwards, as of a mirror image (left-handed axes, or y and z swapped)"
+        return cloth, replace(body, faces=body.faces[:, ::-1].copy()), [f"{note}: mirrored"]
+    notes = ["faces of the body pointed inwards: turned"] if flipped else []
+    if inward:
+        cloth = replace(cloth, faces=cloth.faces[:, ::-1].copy())
+        notes.append("faces of the garment pointed inwards: turned")
+    return cloth, body, notes
 
 
 def _frame_count(garment: int, body: int | None, asked: int | None, timed: bool) -> int:

@@ -12,6 +12,7 @@ from garmentbench.evaluation.rollout import RollOut
 from garmentbench.importing.meshes.arrays import write_npz
 from garmentbench.importing.meshes.conventions import Given
 from garmentbench.importing.meshes.importing import Wanted, import_meshes
+from garmentbench.importing.meshes.mesh_sequence import MeshSequence
 from garmentbench.importing.meshes.obj import write_series, write_template
 from garmentbench.importing.meshes.point_caches import write_mdd, write_pc2
 
@@ -25,6 +26,35 @@ def film(folder):
         write_pc2(folder / f"{name}.pc2", mesh)
         write_template(folder / f"{name}.obj", mesh)
     return ("import", "cloth.pc2", "--template", "cloth.obj", "--body", "figure.pc2", "--body-template", "figure.obj")
+
+
+def swapped(mesh: MeshSequence) -> MeshSequence:
+    """y and z swapped, which is a mirror image."""
+    return replace(mesh, frames=mesh.frames[..., [0, 2, 1]], rest=mesh.still[:, [0, 2, 1]])
+
+
+def test_meshes_with_y_and_z_swapped_are_mirrored_with_a_word():
+    given = replace(PLAIN, given=Given("m", "y", 25.0))
+    sequence, notes = import_meshes(*(replace(swapped(m), up=None) for m in (CLOTH, BODY)), given)
+    plain, told = import_meshes(CLOTH, BODY, PLAIN)
+    assert any("mirrored" in line and "y and z swapped" in line for line in notes)
+    assert not any("handedness" in line or "inwards" in line for line in told)
+    np.testing.assert_allclose(sequence.garment, plain.garment, atol=1e-6)
+    np.testing.assert_allclose(sequence.body, plain.body, atol=1e-6)
+    np.testing.assert_array_equal(sequence.template.body.faces, plain.template.body.faces)
+    np.testing.assert_allclose(sequence.template.garment.rest, plain.template.garment.rest, atol=1e-6)
+
+
+def test_faces_of_the_garment_alone_are_turned():
+    turned = replace(CLOTH, faces=CLOTH.faces[:, ::-1], corner_uv=CLOTH.corner_uv[:, ::-1])
+    sequence, notes = import_meshes(turned, BODY, PLAIN)
+    assert "faces of the garment pointed inwards: turned" in notes
+    np.testing.assert_allclose(sequence.garment[0].min(axis=0), CLOTH.frames[0].min(axis=0), atol=1e-6)
+
+
+def test_without_a_body_the_hand_is_said_to_be_assumed():
+    _, notes = import_meshes(CLOTH, None, PLAIN)
+    assert "handedness: right-handed axes assumed; there is no body whose faces would tell" in notes
 
 
 def test_a_film_s_caches_become_the_sequence_they_were(home, capsys):
