@@ -1,5 +1,6 @@
 """The command that makes data."""
 
+import time
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class Simulate:
     """Simulate scenes into reference sequences, several at a time. Existing ones by the same code are reused.
+
+    All are checked before the first is simulated; where one fails, the others are made. Warnings are as of `check`.
 
     With --garment: one scene of any garment in any motion on any body. It is written to scenes/ in the home folder, and
     from then on its name, <garment>-<motion> or <garment>-<motion>-<body>, can be used wherever a scene's name is.
@@ -55,9 +58,8 @@ class Simulate:
     device: str = "auto"
 
     def run(self) -> None:
-        from garmentbench import sequence_file
-        from garmentbench.device import choose_device, one_thread, require_device
-        from garmentbench.reference import check_scene, make_reference
+        from garmentbench.device import choose_device, one_thread, quiet_warp, require_device
+        from garmentbench.reference import check_scene
         from garmentbench.scenes.choice import choose_scenes
         from garmentbench.scenes.presets import preset
         from garmentbench.scenes.wardrobe import save_scene
@@ -75,17 +77,19 @@ class Simulate:
             check_scene(scene)
         if self.garment:
             print(f"{scenes[0].name}: {save_scene(scenes[0])}")
+        started = time.time()
         one_thread()
+        quiet_warp()
         choose_device(self.device)
         require_device(size)
         workers = min(len(scenes), self.jobs or core_count())
-        made = _in_parallel(scenes, size, workers) if workers > 1 else [make_reference(s, size) for s in scenes]
+        made = _in_parallel(scenes, size, workers) if workers > 1 else [_made(scene, size) for scene in scenes]
         for reference in made:
-            sequence = sequence_file.load(reference.path, frames=1)
-            doubt, told = sequence.uncertainty_cm, sequence.info.get("simulation", {})
-            print(reference.path if doubt is None else f"{reference.path}: ± {doubt:.2g} cm")
-            if told.get("first_bad_frame") is not None:
-                print(f"{reference.name}: {told['status']} from frame {told['first_bad_frame']} on, see its data card")
+            if not isinstance(reference, str):
+                _print(reference, started)
+        failed = [message for message in made if isinstance(message, str)]
+        if failed:
+            raise UserError(f"{len(failed)} of {len(made)} failed, the first: {failed[0]}")
 
     def _own_scene(self) -> "Scene":
         """The scene of --garment, --motion and --body."""
@@ -111,8 +115,35 @@ class Simulate:
         return known.wearing(scene)
 
 
-def _in_parallel(scenes: list["Scene"], size: "Preset", workers: int) -> list["Reference"]:
-    """The references. Raises `UserError` at the end if one could not be made."""
+def _print(reference: "Reference", started: float) -> None:
+    """The sequence's path and uncertainty, where it went wrong, and, if it was made since `started` (a time of
+    `time.time`), what `check` would warn of."""
+    from garmentbench import sequence_file
+    from garmentbench.sequence_file.examine import check_sequence
+
+    sequence = sequence_file.load(reference.path, frames=1)
+    uncertainty, simulation = sequence.uncertainty_cm, sequence.info.get("simulation", {})
+    print(reference.path if uncertainty is None else f"{reference.path}: ± {uncertainty:.2g} cm")
+    if simulation.get("first_bad_frame") is not None:
+        bad = f"{simulation['status']} from frame {simulation['first_bad_frame']} on"
+        print(f"{reference.name}: {bad}, see its data card")
+    problems = check_sequence(reference.path) if reference.path.stat().st_mtime >= started - 1 else []
+    for problem in problems:
+        print(f"{reference.name}: {'warning' if problem.warning else 'error'}: {problem}")
+
+
+def _made(scene: "Scene", size: "Preset") -> "Reference | str":
+    """The reference of a scene, or why it could not be made."""
+    from garmentbench.reference import make_reference
+
+    try:
+        return make_reference(scene, size)
+    except UserError as e:
+        return f"simulate {scene.name}: {e}"
+
+
+def _in_parallel(scenes: list["Scene"], size: "Preset", workers: int) -> "list[Reference | str]":
+    """The references, or why one could not be made."""
     from garmentbench.reference import make_reference
     from garmentbench.storage.jobs import Failure, Job, run_jobs
 
@@ -122,7 +153,4 @@ def _in_parallel(scenes: list["Scene"], size: "Preset", workers: int) -> list["R
     ]
     made = run_jobs({job.key: job for job in jobs}, workers)
     results = [made[job.key] for job in jobs]
-    failed = [result for result in results if isinstance(result, Failure)]
-    if failed:
-        raise UserError(f"{len(failed)} of {len(jobs)} failed, the first: {failed[0].label}: {failed[0].message}")
-    return results
+    return [f"{r.label}: {r.message}" if isinstance(r, Failure) else r for r in results]

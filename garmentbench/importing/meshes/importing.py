@@ -204,7 +204,8 @@ def _handed(
     if flipped and inward:
         for positions in (cloth.rest, body.rest, frames, moving):
             positions[..., 1] *= -1
-        note = "handedness: the faces of both meshes pointed inwards, as of a mirror image (left-handed axes, or y and z swapped)"
+        cause = "left-handed axes, or y and z swapped"
+        note = f"handedness: the faces of both meshes pointed inwards, as of a mirror image ({cause})"
         return cloth, replace(body, faces=body.faces[:, ::-1].copy()), [f"{note}: mirrored"]
     notes = ["faces of the body pointed inwards: turned"] if flipped else []
     if inward:

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from garmentbench import sequence_file
@@ -148,3 +149,35 @@ def test_a_scene_is_a_file_of_five_lines(tmp_path):
     )
     (scene,) = choose_scenes([str(tmp_path / "mine.toml")])
     assert isinstance(scene, Scene) and (scene.name, scene.body, scene.motion.name) == ("mine", "tall", "jump")
+
+
+def test_after_one_that_fails_the_others_are_made_and_warned_of(tmp_path, monkeypatch, capsys):
+    """All are checked before the first; a failure is a line at the end, and what `check` warns of is repeated."""
+    from dataclasses import replace
+
+    from garmentbench import reference, sequence_file
+    from garmentbench.errors import UserError
+    from garmentbench.evaluation.toy import tiny_sequence
+
+    monkeypatch.chdir(tmp_path)
+    flipped = tiny_sequence(6)
+    sequence_file.save(replace(flipped, body=flipped.body + np.float32([0.15, 0, 0])), tmp_path / "inside.h5")
+    made = []
+
+    def make(scene, size):
+        made.append(scene.name)
+        if scene.name == "sheet-stick-a":
+            raise UserError("the stick broke; take another")
+        (tmp_path / "inside.h5").touch()
+        return reference.Reference(scene.name, tmp_path / "inside.h5", "")
+
+    monkeypatch.setattr(reference, "make_reference", make)
+    code, out, err = typed(capsys, "simulate", "sheet-stick-a", "sheet-stick-b", "--preset", "smoke", "--jobs", "1")
+    assert code == 1 and made == ["sheet-stick-a", "sheet-stick-b"] and "inside.h5" in out
+    assert (
+        "1 of 2 failed, the first: simulate sheet-stick-a: the stick broke; take another" in err
+        and "sheet-stick-b: warning: " in out
+    )
+    made.clear()
+    code, _, _ = typed(capsys, "simulate", "sheet-stick-a", "sheet-stick-none", "--preset", "smoke", "--jobs", "1")
+    assert code == 2 and made == []
