@@ -19,7 +19,7 @@ from typing import Annotated
 
 import msgspec
 
-from garmentbench.errors import UsageError
+from garmentbench.errors import FOREIGN, UsageError
 from garmentbench.evals import EXPERIMENTS
 from garmentbench.evals.comparison import TRAIN_FRAMES, Comparison, Entry
 from garmentbench.evals.experiment import Experiment
@@ -107,7 +107,7 @@ def _imported(path: Path) -> ModuleType:
     """The file as a module, so that worker processes find the classes that it defines."""
     try:
         module = importlib.import_module(path.stem)
-    except Exception as e:  # the user's own code may raise anything
+    except FOREIGN as e:  # the user's own code may raise anything
         within = [f.lineno for f in traceback.extract_tb(e.__traceback__) if Path(f.filename) == path.resolve()]
         place = [*within, getattr(e, "lineno", None) or 1][0]
         raise UsageError(f"{path}:{place}: raised {type(e).__name__}: {' '.join(str(e).split())}") from e

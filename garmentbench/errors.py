@@ -1,6 +1,7 @@
 """The errors that a user can cause and mend. Each message is one line: what was found, what was wanted, what to do."""
 
 import difflib
+import importlib.util
 import os
 import sys
 import traceback
@@ -23,6 +24,8 @@ class UsageError(UserError):
 
     exit_code = 2
 
+
+FOREIGN = (Exception, SystemExit)  # what foreign code may raise: its sys.exit is no success of ours
 
 _NAMED = 5  # names in a message, at most
 
@@ -47,21 +50,39 @@ def described(error: BaseException, raised_by: type) -> str:
     The place is the innermost line in the package of the class `raised_by` (in its folder, where it is a lone module),
     so that an error from within a library is found where the author called it.
     """
-    frames = traceback.extract_tb(error.__traceback__)
     message = " ".join(f"{type(error).__name__}: {error}".split())
-    if not frames:
-        return message
-    own = [frame for frame in frames if _lies_with(Path(frame.filename), raised_by.__module__)]
-    frame = (own or frames)[-1]
-    file = Path(frame.filename)
-    shown = os.path.relpath(file) if file.is_relative_to(Path.cwd()) else file
-    return f"{message} ({shown}:{frame.lineno})"
+    place = _place(error, raised_by.__module__)
+    return f"{message} ({place})" if place else message
+
+
+def described_import(error: BaseException, module: str) -> str:
+    """Why a module can't be imported, in one line that begins with the place, e.g. "mine.py:1: SyntaxError: invalid
+    syntax"."""
+    message = " ".join(f"{type(error).__name__}: {getattr(error, 'msg', None) or error}".split())
+    if isinstance(error, SyntaxError) and error.filename:
+        return f"{_shown(error.filename)}:{error.lineno or 1}: {message}"
+    place = _place(error, module)
+    return f"{place}: {message}" if place else message
+
+
+def _place(error: BaseException, module: str) -> str:
+    """File and line of the innermost frame that lies with a module; of the innermost of all where none does."""
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [frame for frame in frames if _lies_with(Path(frame.filename), module)]
+    return "".join(f"{_shown(frame.filename)}:{frame.lineno}" for frame in (own or frames)[-1:])
+
+
+def _shown(file: str) -> str:
+    return os.path.relpath(file) if Path(file).is_relative_to(Path.cwd()) else file
 
 
 def _lies_with(file: Path, module: str) -> bool:
     """Is a file part of a module's package? Of ours, each method is a package by itself."""
     top = module.rpartition(".")[0] if module.startswith("garmentbench.") else module.partition(".")[0]
-    origin = getattr(sys.modules.get(top), "__file__", None)
+    if top in sys.modules:
+        origin = getattr(sys.modules[top], "__file__", None)
+    else:  # its import has failed
+        origin = getattr(importlib.util.find_spec(top), "origin", None)
     if origin is None:
         return False
     folder = Path(origin).parent

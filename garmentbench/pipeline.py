@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from garmentbench import sequence_file
 from garmentbench.device import device_name, quiet_warp, require_device
-from garmentbench.errors import UsageError, UserError, described, unknown_name
+from garmentbench.errors import FOREIGN, UsageError, UserError, described, unknown_name
 from garmentbench.method import HISTORY, Method
 from garmentbench.reference import Source, make_reference
 from garmentbench.scenes.presets import Preset
@@ -343,7 +343,7 @@ def _foreign_code(run: Run, doing: str, method: type[Method]) -> Iterator[None]:
     except UserError as e:
         run.fail(str(e))
         raise
-    except Exception as e:  # a method may be anybody's, and raise anything
+    except FOREIGN as e:  # a method may be anybody's, and raise anything
         file = run.folder / "error.txt"
         write_text(file, traceback.format_exc())
         line = f"{method.name}: {doing} raised {described(e, method)}"

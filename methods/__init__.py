@@ -3,7 +3,7 @@
 import importlib
 from importlib.metadata import entry_points
 
-from garmentbench.errors import UsageError, unknown_name
+from garmentbench.errors import FOREIGN, UsageError, described_import, unknown_name
 
 METHODS = {
     "skinning": "garmentbench.methods.baselines.skinning:Skinning",
@@ -33,8 +33,14 @@ def load_method(name: str) -> type:
     if not module or not attribute:
         raise UsageError(f"method '{name}': wanted a method's name or \"module:Class\"")
     try:
-        return getattr(importlib.import_module(module), attribute)
-    except ModuleNotFoundError as e:
-        raise UsageError(f"method '{name}': no module named '{e.name}'; install the package that has it") from e
+        imported = importlib.import_module(module)
+    except FOREIGN as e:  # a module may be anybody's, and raise anything
+        if isinstance(e, ModuleNotFoundError) and f"{module}.".startswith(f"{e.name}."):  # it, not one that it imports
+            top = module.partition(".")[0]
+            do = f"install the package that has it, or run in the folder of {top}.py"
+            raise UsageError(f"method '{name}': no module named '{e.name}'; {do}") from e
+        raise UsageError(f"method '{name}': {described_import(e, module)}; mend it") from e
+    try:
+        return getattr(imported, attribute)
     except AttributeError as e:
         raise UsageError(f"method '{name}': {e}; wanted \"module:Class\"") from e

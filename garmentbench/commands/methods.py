@@ -54,9 +54,11 @@ class CheckMethod:
         one_thread()
         choice = choose_method(self.method, "full", preset("smoke"))
         report = check_method(choice.method, choice.config, lambda result: print(result, flush=True))
+        skipped = f", {report.skipped} skipped" if report.skipped else ""
         if not report.ok:
-            raise UserError(f"{self.method}: {len(report.problems)} of {len(report.results)} checks failed, see above")
-        print(f"{self.method}: keeps the contract")
+            failed = f"{len(report.problems)} of {len(report.results)} checks failed"
+            raise UserError(f"{self.method}: {failed}{skipped}, see above")
+        print(f"{self.method}: keeps the contract{skipped}")
 
 
 @dataclass(frozen=True)
@@ -103,7 +105,8 @@ class Evaluate:
     """Roll a method out on a scene and measure it, after training it if that has not been done.
 
     Exit code 1 if the method failed (it raised, or returned something else than garment vertices). A roll-out that
-    diverged is a result: it is said on stderr, its rows say so too, and the exit code is 0.
+    diverged (NaN, or far off, be it in its first frame) is a result: it is said on stderr, its rows say so too, and the
+    exit code is 0.
 
     Example: garmentbench evaluate skinning --scene tshirt-armspace-90 --preset smoke
     Example: garmentbench evaluate my_module:MyMethod --train-scene tshirt-armspace-75 --train-scene tshirt-dance-latin

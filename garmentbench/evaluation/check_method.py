@@ -19,7 +19,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from garmentbench import progress
-from garmentbench.errors import Problem, UserError, described
+from garmentbench.errors import FOREIGN, Problem, UserError, described
+from garmentbench.evaluation.rollout import RETURN_A_PAIR, NoPairError, positions_and_state
 from garmentbench.evaluation.toy import tiny_sequence
 from garmentbench.method import HISTORY, BodyFrame, History, Method
 from garmentbench.sequence import GARMENT, HUMAN, OBJECT, Sequence
@@ -52,7 +53,7 @@ class Trace:
     """What a method returned, frame by frame from the fourth on, as it was, and what it raised, if anything."""
 
     outputs: list[Any]
-    error: Exception | None = None
+    error: BaseException | None = None
 
     def same(self, other: "Trace", frames: int | None = None) -> bool:
         """Are the outputs of both equal (the first `frames` of them)?"""
@@ -98,17 +99,17 @@ class Trial:
             return self.method.fit(train, self.config, run)
 
     @cached_property
-    def fitted(self) -> Method | Exception:
+    def fitted(self) -> Method | BaseException:
         """The method fitted on `train`, or what it raised."""
         try:
             return self.fit(self.train)
-        except Exception as e:  # a method may raise anything
+        except FOREIGN as e:  # a method may raise anything
             return e
 
     @property
     def trained(self) -> Method:
         """The fitted method. Skips the check where there is none, which `check_fit` reports."""
-        if isinstance(self.fitted, Exception):
+        if isinstance(self.fitted, BaseException):
             raise _SkippedError("fit refused the scene" if isinstance(self.fitted, UserError) else "fit raised")
         return self.fitted
 
@@ -117,6 +118,13 @@ class Trial:
         """A roll-out."""
         return replay(self.trained, self.sequence(1.0))
 
+    @property
+    def outputs(self) -> list[Any]:
+        """What `trace` returned. Skips the check where it raised at once, which `check_begin_and_step_run` reports."""
+        if self.trace.error is not None and not self.trace.outputs:
+            raise _SkippedError("roll-outs raise")
+        return self.trace.outputs
+
     @cached_property
     def repeated(self) -> Trace:
         """The same roll-out, once more."""
@@ -124,12 +132,13 @@ class Trial:
 
     @property
     def steady_trace(self) -> Trace:
-        """`trace`, for comparisons. Skips the check where a mere repetition differs, which has a check of its own."""
+        """`trace`, for comparisons. Skips the check where it is empty or a repetition differs; both have own checks."""
+        _ = self.outputs
         if not self.trace.same(self.repeated):
             raise _SkippedError("its roll-outs differ anyhow")
         return self.trace
 
-    def raised(self, error: Exception) -> str:
+    def raised(self, error: BaseException) -> str:
         return f"raised {described(error, self.method)}"
 
 
@@ -142,10 +151,10 @@ def replay(method: Method, sequence: Sequence, arrays: "list[np.ndarray] | None"
         with progress.track(len(sequence) - HISTORY, label) as advance:
             state = method.begin(sequence.template, _handed(_history(sequence), handed))
             for t in range(HISTORY, len(sequence)):
-                output, state = method.step(state, _handed(_body(sequence, t), handed))
+                output, state = positions_and_state(method.step(state, _handed(_body(sequence, t), handed)))
                 outputs.append(np.array(output))
                 advance()
-    except Exception as e:  # a method may raise anything
+    except FOREIGN as e:  # a method may raise anything
         return Trace(outputs, e)
     return Trace(outputs)
 
@@ -174,7 +183,7 @@ def check_fit(trial: Trial) -> None:
         if trial.scene != HUMAN:
             raise _SkippedError(f"refused: {error}")
         raise CheckFailedError(f"fit refuses a human body: {error}", "accept it")
-    if isinstance(error, Exception):
+    if isinstance(error, BaseException):
         do = f"try it with garmentbench.tiny_sequence({FRAMES}, {SCENES[trial.scene]!r})"
         raise CheckFailedError(f"fit {trial.raised(error)}", do)
 
@@ -184,7 +193,7 @@ def check_fit_on_several_sequences(trial: Trial) -> None:
     _ = trial.trained
     try:
         trial.fit(trial.sequence(0.0), trial.sequence(2.0))
-    except Exception as e:  # a method may raise anything
+    except FOREIGN as e:  # a method may raise anything
         do = "train on all of them, without a step from one into the next"
         raise CheckFailedError(f"fit on two sequences {trial.raised(e)}", do) from e
 
@@ -203,6 +212,8 @@ def check_begin_and_step_run(trial: Trial) -> None:
         raise _SkippedError(f"refused: {error}")
     if error is not None:
         frame = HISTORY + len(trial.trace.outputs)
+        if isinstance(error, NoPairError):
+            raise CheckFailedError(f"at frame {frame} step returned {error.found}", RETURN_A_PAIR)
         raise CheckFailedError(f"at frame {frame} it {trial.raised(error)}", "mend it")
 
 
@@ -215,14 +226,14 @@ def check_begin_at_any_frame(trial: Trial) -> None:
     for t in (HISTORY + 1, FRAMES - 1):
         try:
             method.step(method.begin(sequence.template, _history(sequence, t)), _body(sequence, t))
-        except Exception as e:  # a method may raise anything
+        except FOREIGN as e:  # a method may raise anything
             raise CheckFailedError(f"begun at frame {t} it {trial.raised(e)}", "let begin start anywhere") from e
 
 
 def check_output_shape(trial: Trial) -> None:
     """`step` returns one position a vertex, as floats."""
     wanted = trial.train.garment.shape[1:]
-    for t, output in enumerate(trial.trace.outputs, HISTORY):
+    for t, output in enumerate(trial.outputs, HISTORY):
         if output.shape != wanted or output.dtype.kind != "f":
             found = f"{output.dtype} of shape {output.shape}"
             raise CheckFailedError(f"at frame {t} step returned {found}", f"return floats of shape {wanted}")
@@ -230,7 +241,7 @@ def check_output_shape(trial: Trial) -> None:
 
 def check_output_is_finite(trial: Trial) -> None:
     """`step` returns no NaN and no infinity."""
-    for t, output in enumerate(trial.trace.outputs, HISTORY):
+    for t, output in enumerate(trial.outputs, HISTORY):
         if output.dtype.kind == "f" and not np.isfinite(output).all():
             vertices = int((~np.isfinite(output)).reshape(len(output), -1).any(axis=1).sum())
             raise CheckFailedError(f"at frame {t}, {vertices} of {len(output)} vertices are not finite", "mend it")
@@ -247,6 +258,7 @@ def check_inputs_are_left_alone(trial: Trial) -> None:
 
 def check_second_run_is_the_same(trial: Trial) -> None:
     """A roll-out repeated gives the same garments."""
+    _ = trial.outputs
     if not trial.trace.same(trial.repeated):
         do = "keep what changes in the state that begin and step pass on, and seed what is random"
         raise CheckFailedError("the same roll-out, twice, gives different garments", do)
@@ -255,6 +267,8 @@ def check_second_run_is_the_same(trial: Trial) -> None:
 def check_roll_outs_do_not_disturb_each_other(trial: Trial) -> None:
     """State lies in what `begin` and `step` pass on, not in self."""
     sequence, method, outputs = trial.sequence(1.0), trial.trained, []
+    if trial.trace.error is not None:
+        raise _SkippedError("roll-outs raise")
     history = _history(sequence)
     moved = History(history.garments + np.array([0, 0, 0.01], np.float32), history.bodies)
     try:
@@ -263,7 +277,7 @@ def check_roll_outs_do_not_disturb_each_other(trial: Trial) -> None:
             stepped = [method.step(state, _body(sequence, t)) for state in states]
             outputs.append(np.array(stepped[0][0]))
             states = [state for _, state in stepped]
-    except Exception:  # which `check_begin_and_step_run` reports
+    except FOREIGN:  # alone it runs through, so fewer outputs say enough
         pass
     if not Trace(outputs).same(trial.steady_trace):
         raise CheckFailedError(
@@ -280,7 +294,7 @@ def check_save_and_load(trial: Trial) -> None:
         trial.trained.save(folder)
         doing = "load"
         loaded = trial.method.load(folder)
-    except Exception as e:  # a method may raise anything
+    except FOREIGN as e:  # a method may raise anything
         if isinstance(e, _SkippedError):
             raise
         raise CheckFailedError(f"{doing} {trial.raised(e)}", "write in save what load reads") from e
@@ -300,7 +314,7 @@ def check_future_is_not_seen(trial: Trial) -> None:
     if trial.scene == HUMAN:  # once is enough: it is fitted on the very sequence that it is tested on
         try:
             methods["fit"] = trial.fit(test)
-        except Exception as e:  # a method may raise anything
+        except FOREIGN as e:  # a method may raise anything
             raise _SkippedError("fit on the test sequence raised") from e
     before = {name: replay(method, test) for name, method in methods.items()}
     random = np.random.default_rng(0)
@@ -420,6 +434,11 @@ class Report:
     def problems(self) -> list[Problem]:
         """What is wrong, one a failed check."""
         return [result.problem for result in self.results if result.problem is not None]
+
+    @property
+    def skipped(self) -> int:
+        """How many checks say nothing."""
+        return sum(result.status == SKIPPED for result in self.results)
 
     def __str__(self) -> str:
         counts = {s: sum(r.status == s for r in self.results) for s in (PASSED, FAILED, SKIPPED)}

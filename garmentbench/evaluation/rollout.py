@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from garmentbench.errors import UserError, described
+from garmentbench.errors import FOREIGN, UserError, described
 from garmentbench.method import HISTORY, PARTS, BodyFrame, Clock, History, Method
 from garmentbench.sequence import Sequence, Template
 from garmentbench.storage import hdf5
@@ -19,6 +19,7 @@ OK, DIVERGED, FAILED = "ok", "diverged", "failed"
 SCHEMA = 1
 _REMAKE = "evaluate again (garmentbench evaluate)"
 _WARM_UP_STEPS = 3
+RETURN_A_PAIR = "return (positions, state)"
 
 
 @dataclass(frozen=True)
@@ -92,6 +93,23 @@ class _Bad(Exception):
     """A frame that can't be used: its status and a message."""
 
 
+class NoPairError(TypeError):
+    """`step` returned something else than a pair. `found` says what."""
+
+    def __init__(self, found: str) -> None:
+        super().__init__(f"step returned {found}; {RETURN_A_PAIR}")
+        self.found = found
+
+
+def positions_and_state(returned: Any) -> tuple[Any, Any]:
+    """What `step` returned, as the pair that it must be. Raises `NoPairError`."""
+    if isinstance(returned, tuple | list) and len(returned) == 2:
+        return returned[0], returned[1]
+    if isinstance(returned, tuple | list):
+        raise NoPairError(f"{len(returned)} values")
+    raise NoPairError("one array" if hasattr(returned, "shape") else f"a {type(returned).__name__}")
+
+
 def _run(kind: str, method: Method, sequence: Sequence, progress: Callable[[], None] | None) -> RollOut:
     if len(sequence) <= HISTORY:
         raise UserError(f"the sequence has {len(sequence)} frames; wanted at least {HISTORY + 1}; simulate more")
@@ -109,7 +127,8 @@ def _run(kind: str, method: Method, sequence: Sequence, progress: Callable[[], N
                 state = method.begin(sequence.template, _history(sequence, frame))
             clock = Clock()
             with clock.running():
-                output, state = method.step(state, _body(sequence, frame))
+                returned = method.step(state, _body(sequence, frame))
+            output, state = positions_and_state(returned)
             garment[frame] = _checked(output, sequence.garment[frame], limit)
             ms[frame] = [clock.ms[part] for part in PARTS]
             processor_ms[frame] = np.nan if clock.processor_ms is None else clock.processor_ms
@@ -119,7 +138,9 @@ def _run(kind: str, method: Method, sequence: Sequence, progress: Callable[[], N
                 progress()
     except _Bad as e:
         ending = (e.args[0], frame, e.args[1])
-    except Exception as e:  # a method may raise anything, and its line must stay in the tables
+    except NoPairError as e:
+        ending = (FAILED, frame, str(e))
+    except FOREIGN as e:  # a method may raise anything, and its line must stay in the tables
         ending = (FAILED, frame, f"raised {described(e, type(method))}")
     return RollOut(
         kind,
@@ -134,7 +155,7 @@ def _run(kind: str, method: Method, sequence: Sequence, progress: Callable[[], N
 
 def _warm_up(method: Method, sequence: Sequence) -> None:
     """A few steps that are not timed: compilers, caches and allocators do their first work here."""
-    with suppress(Exception):  # what a method raises here it raises again where it counts
+    with suppress(*FOREIGN):  # what a method raises here it raises again where it counts
         state = method.begin(sequence.template, _history(sequence, HISTORY))
         for frame in range(HISTORY, min(HISTORY + _WARM_UP_STEPS, len(sequence))):
             _, state = method.step(state, _body(sequence, frame))

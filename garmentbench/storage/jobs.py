@@ -13,6 +13,7 @@ from typing import Any
 from pebble import ProcessExpired, ProcessPool
 
 from garmentbench import progress
+from garmentbench.errors import FOREIGN, UserError
 
 
 @dataclass(frozen=True)
@@ -130,7 +131,9 @@ def _work(job: Job, inputs: list) -> Any:
     with progress.listening(lambda label, done, total: _reports.put((job.label, label, done, total))):
         try:
             return job.call(*inputs, *job.arguments)
-        except Exception as e:  # handed to the parent, which says so and exits with an error
+        except UserError as e:
+            return Failure(job.label, str(e))
+        except FOREIGN as e:  # handed to the parent, which says so and exits with an error
             return Failure(job.label, f"{type(e).__name__}: {e}")
 
 

@@ -155,3 +155,17 @@ def test_training_and_evaluating_from_python(files):
     run = gb.evaluate(trained, test, size, store)
     assert run.results["status"] == "ok" and run.identity["train_scenes"] == ["one", "two"]
     assert not (files / "runs").exists()
+
+
+@pytest.mark.parametrize(("name", "doing"), [("Fit", "fit"), ("Load", "load"), ("Begin", ""), ("Step", "")])
+def test_a_method_that_exits_has_raised(files, capsys, name, doing):
+    """sys.exit(0) in a method ended everything with exit code 0 and without a word."""
+    scenes = ("--train-scene", "one.h5", "--scene", "test.h5")
+    code, _, lines = typed(capsys, "evaluate", f"foreign_methods:{name}Exits", *scenes, *SMALL)
+    assert code == 1 and f"{doing} raised SystemExit: 0 (".strip() in lines[-1]
+
+
+def test_a_step_that_returns_no_state_is_told_so(files, capsys):
+    scenes = ("--train-scene", "one.h5", "--scene", "test.h5")
+    code, _, lines = typed(capsys, "evaluate", "foreign_methods:ForgetsTheState", *scenes, *SMALL)
+    assert code == 1 and lines[-1].endswith("frame 3 of test: step returned one array; return (positions, state)")

@@ -222,3 +222,32 @@ class RefusesObjects(Good):
         if train[0].template.body is None or train[0].template.body.kind != "human":
             raise UserError("refuses_objects needs a human body; train it on one")
         return cls()
+
+
+class ForgetsTheState(Good):
+    """Returns the positions alone."""
+
+    def step(self, state, body):
+        return super().step(state, body)[0]
+
+
+class FitExits(Good):
+    @classmethod
+    def fit(cls, train, config, run):
+        sys.exit(0)
+
+
+class LoadExits(Good):
+    @classmethod
+    def load(cls, folder):
+        sys.exit(0)
+
+
+class BeginExits(Good):
+    def begin(self, template, history):
+        sys.exit(0)
+
+
+class StepExits(Good):
+    def step(self, state, body):
+        sys.exit(0)

@@ -33,7 +33,10 @@ def test_entry_points(monkeypatch):
     ("name", "says"),
     [
         ("skining", "unknown method 'skining': did you mean 'skinning'?"),
-        ("no_such_module:Method", "no module named 'no_such_module'"),
+        (
+            "no_such_module:Method",
+            "install the package that has it, or run in the folder of no_such_module.py",
+        ),
         ("garmentbench.methods.baselines.skinning:Skining", "has no attribute 'Skining'"),
         ("garmentbench.methods.baselines.skinning:", 'or "module:Class"'),
         (":Skinning", 'or "module:Class"'),
@@ -43,6 +46,27 @@ def test_wrong_names_are_told(name, says):
     with pytest.raises(UsageError) as error:
         load_method(name)
     assert says in str(error.value) and "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("code", "says"),
+    [
+        ("class X(:", "{}.py:1: SyntaxError: invalid syntax; mend it"),
+        ("\n1 / 0", "{}.py:2: ZeroDivisionError: division by zero; mend it"),
+        ("import no_such_thing", "{}.py:1: ModuleNotFoundError: No module named 'no_such_thing'; mend it"),
+        ("import math\nmath.tao", "{}.py:2: AttributeError: module 'math' has no attribute 'tao'; mend it"),
+        ("import json\njson.loads('')", "{}.py:2: JSONDecodeError: Expecting value"),
+        ("import sys; sys.exit(0)", "{}.py:1: SystemExit: 0; mend it"),
+    ],
+)
+def test_a_module_that_can_not_be_imported_is_one_line(tmp_path, monkeypatch, code, says):
+    name = f"broken_{abs(hash(code))}"
+    (tmp_path / f"{name}.py").write_text(code)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(UsageError) as error:
+        load_method(f"{name}:X")
+    assert str(error.value).startswith(f"method '{name}:X': {says.format(name)}") and "\n" not in str(error.value)
 
 
 def test_names_do_not_import_their_modules():

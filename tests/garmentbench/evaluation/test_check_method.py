@@ -55,6 +55,32 @@ def test_every_scene_is_tried_and_a_failure_on_one_does_not_end_the_others():
     assert {r.status for r in report.results if r.check == "save_and_load"} == {"passed"}
 
 
+def test_a_step_that_returns_no_state_is_told_so_and_nothing_else():
+    """It failed with "two roll-outs in turns disturb each other" beside it."""
+    report = check_method(foreign.ForgetsTheState)
+    assert {r.check for r in report.results if r.status == "failed"} == {"begin_and_step_run"}
+    assert report.problems[0].what == "at frame 3 step returned one array"
+    assert report.problems[0].do == "return (positions, state)"
+    skipped = {r.check for r in report.results if r.status == "skipped"}
+    assert {"roll_outs_do_not_disturb_each_other", "output_shape", "save_and_load"} <= skipped
+    assert str(report).endswith(f"4 failed, {report.skipped} skipped")
+
+
+@pytest.mark.parametrize(
+    ("method", "check"),
+    [
+        (foreign.FitExits, "fit"),
+        (foreign.LoadExits, "save_and_load"),
+        (foreign.BeginExits, "begin_and_step_run"),
+        (foreign.StepExits, "begin_and_step_run"),
+    ],
+)
+def test_a_method_that_exits_has_raised(method, check):
+    report = check_method(method)
+    assert {r.check for r in report.results if r.status == "failed"} == {check}
+    assert "raised SystemExit: 0 (" in report.problems[0].what
+
+
 def test_missing_parts_are_told_all_at_once():
     (problem,) = check_method(foreign.Nameless).problems
     assert "`name` is missing" in problem.what and "`step` is missing" in problem.what
