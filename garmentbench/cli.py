@@ -19,7 +19,7 @@ from typing import Annotated, Any, cast
 import garmentbench
 from garmentbench import paths
 from garmentbench.commands import COMMANDS, Command
-from garmentbench.errors import UsageError, UserError, unknown_name
+from garmentbench.errors import NEAR, UsageError, UserError, unknown_name
 from garmentbench.paths import HOME_VARIABLE
 
 DESCRIPTION = """A benchmark of learned garment dynamics.
@@ -113,8 +113,8 @@ def _unknown_argument(argument: str, name: str, command: Command) -> UsageError:
     if not argument.startswith("-"):
         return UsageError(f"{name}: what to do with '{argument}'? See garmentbench {name} --help")
     options = ["--" + f.name.replace("_", "-") for f in fields(cast(Any, command))]
-    near = difflib.get_close_matches(argument, options, n=1, cutoff=0.4)
-    hint = f"did you mean '{near[0]}'? " if near else ""
+    near = difflib.get_close_matches(argument.lstrip("-"), [o.lstrip("-") for o in options], n=1, cutoff=NEAR)
+    hint = f"did you mean '--{near[0]}'? " if near else ""
     return UsageError(f"{name}: unknown option '{argument}': {hint}See garmentbench {name} --help")
 
 

@@ -27,21 +27,35 @@ class UsageError(UserError):
 
 FOREIGN = (Exception, SystemExit)  # what foreign code may raise: its sys.exit is no success of ours
 
-_NAMED = 5  # names in a message, at most
+NEAR = 0.6  # how alike two names are (`difflib`'s ratio) of which one may be meant by the other, at least
+_NAMED = 5  # names in a message with a near one, at most
+_ALL_NAMED = 20  # in a message without
+_LISTS = {  # commands that list all names of a kind
+    "command": "garmentbench --help",
+    "scene": "garmentbench scenes",
+    "method": "garmentbench methods",
+    "body": "garmentbench bodies",
+}
 
 
-def unknown_name(kind: str, name: str, known: Iterable[str]) -> UsageError:
-    """A `UsageError` for an unknown `name`, with the nearest known ones, at most five.
+def unknown_name(kind: str, name: str, known: Iterable[str], where: str = "") -> UsageError:
+    """A `UsageError` for an unknown `name`: with the nearest known ones, or where none is near, with how to list them.
+
+    `where` is what the line begins with: the file that the name stands in, and a colon.
 
     >>> print(unknown_name("scene", "tshirt-armspce-90", ["sheet-stick-a", "tshirt-armspace-90"]))
     unknown scene 'tshirt-armspce-90': did you mean 'tshirt-armspace-90'? Known: tshirt-armspace-90, sheet-stick-a
+    >>> print(unknown_name("scene", "nonsense", ["sheet-stick-a", "stress-heavy"]))
+    unknown scene 'nonsense'; `garmentbench scenes` lists all
     """
     known = sorted({*known} - {name})  # nothing is suggested for itself
-    near = difflib.get_close_matches(name, known, n=_NAMED, cutoff=0.4)
-    named = list(dict.fromkeys([*near, *known]))[:_NAMED]
+    near = difflib.get_close_matches(name, known, n=_NAMED, cutoff=NEAR)
+    if not near and kind in _LISTS:
+        return UsageError(f"{where}unknown {kind} '{name}'; `{_LISTS[kind]}` lists all")
+    named = list(dict.fromkeys([*near, *known]))[: _NAMED if near else _ALL_NAMED]
     hint = f"did you mean '{near[0]}'? " if near else ""
     more = f" and {len(known) - len(named)} more" if len(known) > len(named) else ""
-    return UsageError(f"unknown {kind} '{name}': {hint}Known: {', '.join(named) or 'none'}{more}")
+    return UsageError(f"{where}unknown {kind} '{name}': {hint}Known: {', '.join(named) or 'none'}{more}")
 
 
 def described(error: BaseException, raised_by: type) -> str:

@@ -13,7 +13,7 @@ from garmentbench.scenes.bodies import body_file, body_names
 from garmentbench.scenes.garments import garment_names, scene_garment
 from garmentbench.scenes.presets import MESH_SIZES, MeshSize, Preset
 from garmentbench.scenes.scene import Scene
-from garmentbench.scenes.wardrobe import load_scene, wardrobe
+from garmentbench.scenes.wardrobe import load_scene, scene_file, wardrobe
 from garmentbench.sequence import Needs, Sequence, Template
 from garmentbench.sequence_file.layout import KIND, REMAKE, SCHEMA
 from garmentbench.storage import hdf5, lock
@@ -67,27 +67,31 @@ def resolve_source(name: str) -> Source:
         sequence_file.content_hash(Path(name))
         return SequenceFile(Path(name))
     scene = load_scene(name)
-    check_scene(scene)
+    check_scene(scene, scene_file(name))
     return scene
 
 
-def check_scene(scene: Scene) -> None:
-    """Raises `UserError` for a garment, body or motion that does not exist, or whose file is not as it must be."""
+def check_scene(scene: Scene, file: Path | None = None) -> None:
+    """Raises `UserError` for a garment, body or motion that does not exist, or whose file is not as it must be.
+
+    `file` is the scene's, which messages about names then begin with.
+    """
     from garmentbench.motion import STICK, human_motions, stick_motions
     from garmentbench.motion.clip import read_clip
     from garmentbench.scenes.bodies import load_body
 
+    where = "" if file is None else f"{file}: "
     if scene.mesh is not None:
         scene_garment(scene, MESH_SIZES["smoke"])
     elif scene.garment not in garment_names():
-        raise unknown_name("garment", scene.garment, [*garment_names(), *wardrobe().garments])
+        raise unknown_name("garment", scene.garment, [*garment_names(), *wardrobe().garments], where)
     if scene.body not in (STICK, *body_names()):
-        raise unknown_name("body", scene.body, [STICK, *body_names()])
+        raise unknown_name("body", scene.body, [STICK, *body_names()], where)
     motions = stick_motions() if scene.body == STICK else human_motions()
     if scene.motion.file is not None:
         read_clip(Path(scene.motion.file), load_body(scene.body, "small"))
     elif scene.motion.name not in motions:
-        raise unknown_name("motion", scene.motion.name, motions)
+        raise unknown_name("motion", scene.motion.name, motions, where)
 
 
 def make_reference(source: Source, preset: Preset) -> Reference:

@@ -28,7 +28,7 @@ class Check:
         units: The mesh's unit, for --fix: m, cm, mm, in or ft. Not needed where its size tells.
         up: The axis that points up in the file, for --fix: x, y, z, or the other way round, e.g. --up=-y.
         shift: Move the mesh by this [m], for --fix: up, or x,y,z, e.g. --shift 0.9 or --shift=-2,0,0.
-        make_uv: With --fix, make a UV map by xatlas where the mesh's overlaps or folds; a .npz without one gets one.
+        make_uv: With --fix, make a UV map by xatlas where the mesh's overlaps or folds; a mesh without one gets one.
         weld: With --fix, weld borders that lie this near [m]. By default a hundred-thousandth of the garment's size.
     """
 
@@ -92,7 +92,7 @@ class Check:
         from garmentbench.importing.mesh_doctor.files import write_mesh
         from garmentbench.importing.mesh_doctor.repairs import mend
 
-        make_uv = self.make_uv or (mesh.uv is None and out.suffix == ".npz")  # where a garment can't be without
+        make_uv = self.make_uv or mesh.uv is None  # a garment can't be without
         mended, lines = mend(mesh, wearer, self.units or None, self.up, _shift(self.shift), make_uv, self.weld)
         lines += write_mesh(out, mended)
         for line in lines or ["nothing to repair"]:

@@ -6,7 +6,10 @@ from pathlib import Path
 from tyro.conf import Positional
 
 from garmentbench.commands.table import print_table
-from garmentbench.errors import UsageError
+from garmentbench.errors import UsageError, unknown_name
+
+# What runs are filtered by most, whether or not one has it
+_USUAL = {"kind", "state", "method", "variant", "scene", "train_scenes", "preset", "frames", "seed"}
 
 
 @dataclass(frozen=True)
@@ -90,7 +93,12 @@ class Runs:
                 [{"": key} | dict(zip((r.id for r in runs), values, strict=True)) for key, values in compare(runs)]
             )
             return
-        runs = store.list(dict(f.split("=", 1) for f in self.filters))
+        filters = dict(f.split("=", 1) for f in self.filters)
+        known = store.keys()
+        for key in filters:
+            if known and key not in known | _USUAL:  # one that these runs lack is no mistake, where others have it
+                raise unknown_name("filter", key, known | _USUAL)
+        runs = store.list(filters)
         print_table(list_rows(runs))
         if not runs:
             print(f"no runs in {store.root}" + (" match" if self.filters else " yet"))

@@ -32,14 +32,15 @@ class Scenes:
     def run(self) -> None:
         from garmentbench.reference import check_scene
         from garmentbench.scenes.choice import choose_scenes, is_choice
+        from garmentbench.scenes.wardrobe import scene_file
 
         shown = self.words[1:] if self.words[:1] == ("show",) else self.words if len(self.words) == 1 else ()
         if self.words == ("show",):
             raise UsageError("scenes show: which scene? `garmentbench scenes` lists them")
         scenes = choose_scenes(shown or self.words)
         if shown and not any(map(is_choice, shown)):
-            for scene in scenes:
-                check_scene(scene)
+            for word, scene in zip(dict.fromkeys(shown), scenes, strict=True):
+                check_scene(scene, scene_file(word))
                 _show(scene)
             return
         print_table([

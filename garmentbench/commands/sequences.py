@@ -60,7 +60,7 @@ class Simulate:
     def run(self) -> None:
         from garmentbench.device import choose_device, one_thread, quiet_warp, require_device
         from garmentbench.reference import check_scene
-        from garmentbench.scenes.choice import choose_scenes
+        from garmentbench.scenes.choice import choose_scenes, chosen_files
         from garmentbench.scenes.presets import preset
         from garmentbench.scenes.wardrobe import save_scene
         from garmentbench.storage.machine import core_count
@@ -73,8 +73,9 @@ class Simulate:
         if self.jobs is not None and self.jobs < 1:
             raise UsageError(f"simulate: --jobs is {self.jobs}; wanted at least 1")
         scenes = [self._own_scene()] if self.garment else choose_scenes(self.scenes)
+        files = {} if self.garment else chosen_files(self.scenes)
         for scene in scenes:
-            check_scene(scene)
+            check_scene(scene, files.get(scene.name))
         if self.garment:
             print(f"{scenes[0].name}: {save_scene(scenes[0])}")
         started = time.time()

@@ -160,12 +160,14 @@ def read_results(path: Path) -> Frame:
     import pandas
 
     if not path.is_file():
-        raise UserError(f"{path}: no results yet; `make evals PRESET={path.parent.name}` makes them")
+        raise UserError(f"{path}: no results yet; `garmentbench evals --preset {path.parent.name}` makes them")
     words = [column for column in COLUMNS if column not in NUMBERS]
     table = pandas.read_csv(path, dtype=dict.fromkeys(words, str))
     missing = [c for c in COLUMNS if c not in table.columns and c not in ADDED]
     if missing:
-        raise UserError(f"{path}: lacks the column '{missing[0]}'; run `make evals PRESET={path.parent.name}` again")
+        raise UserError(
+            f"{path}: lacks the column '{missing[0]}'; run `garmentbench evals --preset {path.parent.name}` again"
+        )
     table = table.reindex(columns=COLUMNS)
     return table.assign(**{column: table[column].astype(object).fillna("") for column in words})
 

@@ -2,10 +2,11 @@
 
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
+from pathlib import Path
 
 from garmentbench.errors import UsageError, unknown_name
 from garmentbench.scenes.scene import Scene
-from garmentbench.scenes.wardrobe import load_scene, scene_names
+from garmentbench.scenes.wardrobe import load_scene, scene_file, scene_names
 
 KEYS = ("garment", "body", "motion", "split")
 
@@ -13,6 +14,12 @@ KEYS = ("garment", "body", "motion", "split")
 def is_choice(word: str) -> bool:
     """Does a word stand for any number of scenes (a pattern or a filter), not for one?"""
     return any(c in word for c in "*?[=")
+
+
+def chosen_files(words: Sequence[str]) -> dict[str, Path]:
+    """The files of the scenes that words stand for, by the scenes' names, of those that have one."""
+    names = [name for word in words if "=" not in word for name in _named(word)]
+    return {Path(name).stem: file for name in names if (file := scene_file(name)) is not None}
 
 
 def choose_scenes(words: Sequence[str]) -> list[Scene]:

@@ -8,10 +8,10 @@ import re
 from dataclasses import asdict, dataclass, field, fields, replace
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 from garmentbench import paths
 from garmentbench.errors import UserError, unknown_name
+from garmentbench.scenes.bodies import body_names
 from garmentbench.scenes.garments import garment_names
 from garmentbench.scenes.material import Material, Settings
 from garmentbench.scenes.scene import BASE, Frames, MeshFile, Motion, Scene, Split
@@ -121,7 +121,7 @@ def load_scene(name: str) -> Scene:
 
 def _load(name: str, outer: str = "") -> Scene:
     """A scene. `outer`: the one that is worn over it, so that none is worn over itself."""
-    path = Path(name) if name.endswith(".toml") else _files().get(name)
+    path = scene_file(name)
     if path is not None and path.is_file():
         return _from_file(path, outer)
     combined = wardrobe().scenes()
@@ -140,6 +140,12 @@ def wardrobe() -> Wardrobe:
         for name in entries:
             if name in getattr(suite, table) or (table == "garments" and name in garment_names()):
                 raise UserError(f"{path}: {table}.{name} is the suite's name; call yours something else")
+    for name in own.motions:
+        if name not in (known := _motions()):
+            raise UserError(f"{path}: motions: {unknown_name('motion', name, known)}")
+    for name in own.bodies:
+        if name not in body_names():
+            raise UserError(f"{path}: bodies: {unknown_name('body', name, body_names())}")
     whole = Wardrobe(*({**getattr(suite, table), **entries} for table, entries in vars(own).items()))
     for name, entry in own.garments.items():
         if entry.mesh is None:
@@ -157,17 +163,27 @@ def _suite() -> Wardrobe:
     return read_wardrobe(paths.WARDROBE)
 
 
+@cache
+def _motions() -> set[str]:
+    """The human's motions: every one is in some scene of the suite."""
+    tables = [table for table in map(read_toml, paths.SCENES.glob("*.toml")) if table["body"] in body_names()]
+    return {*_suite().motions, *(table["motion"] for table in tables if isinstance(table["motion"], str))}
+
+
 def read_wardrobe(path: Path) -> Wardrobe:
     """A wardrobe's file. Raises `UserError` naming what is wrong and where."""
     table = read_toml(path)
-    for name, entry in table["garments"].items() if isinstance(table.get("garments"), dict) else ():
+    for name in table["garments"] if isinstance(table.get("garments"), dict) else ():
         if not re.fullmatch(r"\w+", name):
             raise UserError(f"{path}: a garment is called '{name}'; wanted letters, digits and _")
-        if isinstance(entry, dict):
-            entry |= _in_full(entry, mesh="file")
     read = typed(table, Wardrobe, path)
     garments = {name: replace(entry, mesh=_beside(path, entry.mesh)) for name, entry in read.garments.items()}
     return replace(read, garments=garments)
+
+
+def scene_file(name: str) -> Path | None:
+    """The file that a scene is read from, by its name or that file's path; None for one of the grid."""
+    return Path(name) if name.endswith(".toml") else _files().get(name)
 
 
 def save_scene(scene: Scene) -> Path:
@@ -188,11 +204,6 @@ def save_scene(scene: Scene) -> Path:
             lines.append(f"{key} = {{{', '.join(f'{k} = {json.dumps(v)}' for k, v in given.items())}}}")
     write_text(path, "\n".join(lines) + "\n")
     return path
-
-
-def _in_full(table: dict[str, Any], **keys: str) -> dict[str, Any]:
-    """Entries of a table that are a text alone, as tables of which the text is one key: motion = "fast", for one."""
-    return {key: {inner: table[key]} for key, inner in keys.items() if isinstance(table.get(key), str)}
 
 
 def _beside(path: Path, mesh: MeshFile | None) -> MeshFile | None:
@@ -216,7 +227,9 @@ def _from_file(path: Path, outer: str) -> Scene:
         raise UserError(f"{path}: worn_over is {over!r}; wanted the name of a scene")
     if outer and over:
         raise UserError(f"scene {outer} is worn over {path.stem}, itself worn over {over}; wanted two layers")
-    table |= _in_full(table, motion="name", mesh="file")
+    motion = table.get("motion")
+    if isinstance(motion, dict) and "file" in motion and "name" not in motion:
+        raise UserError(f'{path}: motion: name is missing; with a file it is name = "clip"')
     if isinstance(table.get("garment"), str):
         entry = wardrobe().entry(table["garment"])
         for key in ("material", "simulation"):

@@ -20,7 +20,7 @@ import numpy as np
 from garmentbench.sequence import Body, Garment, Sequence, Template
 
 KIND, SCHEMA, UNITS = "sequence", 1, "metres, seconds, z up"
-REMAKE = "make it again (garmentbench simulate, or make data)"
+REMAKE = "make it again (garmentbench simulate, or the import that made it)"
 
 ARRAYS = {  # dtype and shape; the same letter stands for the same number everywhere
     "garment/rest": ("float32", ("V", 3)),

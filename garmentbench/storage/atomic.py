@@ -23,7 +23,7 @@ def written_whole(path: Path) -> Iterator[Path]:
         os.replace(partial, path)
     except OSError as e:
         raise UserError(
-            f"{path}: can't be written ({e.strerror or e}); free some space there or use another disk, "
+            f"{path}: can't be written ({e.strerror or e}); free some space or check its permissions, "
             "then run the same command again"
         ) from e
     finally:

@@ -27,7 +27,9 @@ def take(file: Path) -> AcquireReturnProxy:
             taken = lock.acquire()
         file.write_text(str(os.getpid()))
     except OSError as e:
-        raise UserError(f"{file.parent}: can't be written to ({e.strerror}); free some space or mend its rights") from e
+        raise UserError(
+            f"{file.parent}: can't be written to ({e.strerror}); free some space or check its permissions"
+        ) from e
     return taken
 
 

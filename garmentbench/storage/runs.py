@@ -17,7 +17,7 @@ from typing import Any
 from filelock import AcquireReturnProxy
 
 from garmentbench import paths, progress
-from garmentbench.errors import UsageError, UserError
+from garmentbench.errors import NEAR, UsageError, UserError
 from garmentbench.storage.atomic import write_text
 from garmentbench.storage.fingerprint import content_hash, plain
 from garmentbench.storage.lock import held, take
@@ -215,7 +215,7 @@ class RunStore:
         if len(found) > 1:
             raise UsageError(f"{len(found)} runs begin with '{name}': {', '.join(found[:5])} ...; give more of the id")
         if not found:
-            near = difflib.get_close_matches(name, ids, n=1, cutoff=0.4)
+            near = difflib.get_close_matches(name, ids, n=1, cutoff=NEAR)
             hint = f"did you mean '{near[0]}'? " if near else ""
             raise UsageError(f"unknown run '{name}' in {self.root}: {hint}`garmentbench runs` lists them")
         return self._read(found[0])
@@ -229,6 +229,11 @@ class RunStore:
         wanted = (filters or {}).items()
         matching = [run for run in runs if all(_matches(flat(run), key, value) for key, value in wanted)]
         return sorted(matching, key=lambda run: (run.times["started"], run.id))
+
+    def keys(self) -> set[str]:
+        """What runs can be filtered by: the keys of all that are there, and the parts of them after a dot."""
+        keys = {key for run in self.list() for key in flat(run)}
+        return {key.split(".", cut)[-1] for key in keys for cut in range(key.count(".") + 1)}
 
     def _read(self, name: str) -> Run:
         noted = _read_json(self.root / name / "identity.json")

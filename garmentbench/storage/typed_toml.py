@@ -8,7 +8,7 @@ import re
 import tomllib
 from dataclasses import MISSING, Field, fields, is_dataclass
 from pathlib import Path
-from typing import Any, TypeVar, get_args, get_origin, get_type_hints
+from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 import msgspec
 
@@ -33,11 +33,13 @@ def read_toml(path: Path) -> dict[str, Any]:
     except OSError as e:
         raise UserError(f"{path}: {e.strerror}; wanted a TOML file") from e
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as e:
-        raise UserError(f"{path}: not a TOML file ({e}); see datasets/scenes for examples") from e
+        raise UserError(f'{path}: not a TOML file ({e}); wanted lines like frames = 100 and motion = "fast"') from e
 
 
 def typed(table: dict[str, Any], kind: type[T], file: Path | str) -> T:
     """A table as a dataclass, of the types and limits (`msgspec.Meta`) that its fields are annotated with.
+
+    A dataclass of which one text is all that is required may be given as that text: motion = "fast", for one.
 
     Args:
         table: As TOML gives it.
@@ -61,7 +63,7 @@ def _converted(value: Any, kind: Any, file: str, at: str) -> Any:
 
 def _check(value: Any, kind: Any, file: str, at: str) -> None:
     """Raises `UserError` for a key that no dataclass has, for a number that is not finite, and in a table of named
-    entries for the entry that does not fit."""
+    entries for the entry that does not fit. Texts that stand for a dataclass become tables."""
     if isinstance(value, float) and not math.isfinite(value):
         raise UserError(f"{file}: {at} is {value}; wanted a finite number")
     if isinstance(value, list):
@@ -76,6 +78,9 @@ def _check(value: Any, kind: Any, file: str, at: str) -> None:
         if hints is not None and key not in hints:
             raise UserError(f"{file}: {unknown_name(f'key of [{at}]' if at else 'key', key, list(hints))}")
         if hints is not None:
+            text = _sole_text(hints[key])
+            if text and isinstance(item, str):
+                value[key] = item = {text: item}
             _check(item, hints[key], file, where)
         elif get_origin(kind) is dict:
             _converted(item, get_args(kind)[1], file, where)
@@ -88,6 +93,13 @@ def _dataclass(kind: Any) -> Any:
     return next((k for k in (kind, *get_args(kind)) if is_dataclass(k)), None)
 
 
+def _sole_text(kind: Any) -> str | None:
+    """The field of a dataclass that a text alone stands for: the only one that is required, if it is a text."""
+    holder = _dataclass(kind)
+    required = [f.name for f in fields(holder) if _is_required(f)] if holder else []
+    return required[0] if len(required) == 1 and get_type_hints(holder)[required[0]] is str else None
+
+
 def _complaint(message: str, value: Any, kind: Any, at: str) -> str:
     """msgspec's message with the key as it is written, the value that was found, and what is wanted in plain words."""
     message, _, path = message.partition(" - at `$")
@@ -98,8 +110,11 @@ def _complaint(message: str, value: Any, kind: Any, at: str) -> str:
         kind = get_type_hints(holder)[step] if holder else (get_args(kind) or (None,))[-1]
     key = ".".join(filter(None, (at, path)))
     if message.startswith("Object missing"):
-        lacking = [f.name for f in fields(_dataclass(kind)) if _is_required(f) and f.name not in value]
-        return f"{key + ': ' if key else ''}{', '.join(lacking)} {'is' if len(lacking) == 1 else 'are'} missing"
+        holder = _dataclass(kind)
+        lacking = [f.name for f in fields(holder) if _is_required(f) and f.name not in value]
+        wanted = [_described(get_type_hints(holder, include_extras=True)[name]) for name in lacking]
+        named = ", ".join(lacking) + (" is" if len(lacking) == 1 else " are")
+        return f"{key + ': ' if key else ''}{named} missing; wanted {', '.join(wanted)}"
     return f"{key} is {value!r}; wanted {_wanted(message, kind)}"
 
 
@@ -107,12 +122,22 @@ def _is_required(field: Field) -> bool:
     return field.default is MISSING and field.default_factory is MISSING
 
 
+def _described(kind: Any) -> str:
+    """What is wanted of a kind, in plain words, as msgspec complains of what fits none."""
+    try:
+        msgspec.convert(object(), kind)
+    except msgspec.ValidationError as e:
+        return _wanted(str(e), kind)
+    return "anything"
+
+
 def _wanted(message: str, kind: Any) -> str:
-    if message.startswith("Invalid enum value"):
+    if get_origin(kind) is Literal:
         return " or ".join(f'"{choice}"' for choice in get_args(kind))
     expected = re.match(r"Expected `([^`]*)`(.*?)(, got .*)?$", message)
     if expected is None:
         return message
     kinds = [_KINDS.get(name, name) for name in expected[1].split(" | ") if name != "null"]
     limit = expected[2].replace(">=", "of at least").replace("<=", "of at most").replace(" > ", " above ")
+    kinds = ["a text in quotes"] * (_sole_text(kind) is not None) + kinds
     return " or ".join(kinds) + re.sub(r"\.0$", "", limit)

@@ -126,6 +126,12 @@ def test_help_of_each_command_shows_an_example(name, capsys):
     ("arguments", "complaint"),
     [
         (["simulat", "x"], "unknown command 'simulat': did you mean 'simulate'?"),
+        (["frobnicate"], "unknown command 'frobnicate'; `garmentbench --help` lists all"),
+        (["scenes", "nonsense"], "unknown scene 'nonsense'; `garmentbench scenes` lists all"),
+        (
+            ["simulate", "sheet-stick-a", "--nonsense", "1"],
+            "unknown option '--nonsense': See garmentbench simulate --help",
+        ),
         (["--nonsense"], "Expected one of {scenes"),
         (["simulate", "tshirt-armspce-90"], "unknown scene 'tshirt-armspce-90': did you mean 'tshirt-armspace-90'?"),
         (["simulate"], "which scene?"),
@@ -327,6 +333,6 @@ def test_ctrl_c_in_a_simulation_then_the_same_command(home):
     second = process(home, *command)
     out, err = second.communicate(timeout=120)
     assert second.returncode == 0, err
-    path, uncertainty = out.strip().split(": ")
+    path, uncertainty = out.splitlines()[0].split(": ")
     sequence = sequence_file.load(Path(path))
     assert len(sequence) == 40 and uncertainty == f"± {sequence.uncertainty_cm:.2g} cm"

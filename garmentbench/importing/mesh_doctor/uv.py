@@ -17,7 +17,7 @@ def missing(mesh: Mesh) -> list[Finding]:
     """No UV at all, the same for all, or none for some faces."""
     do = "unwrap the garment (--fix OUT --make-uv does, by xatlas)"
     if mesh.uv is None:
-        return [Finding(Problem("uv", "the mesh has no UV map", do))]
+        return [Finding(Problem("uv", "the mesh has no UV map", "unwrap the garment (--fix OUT does, by xatlas)"))]
     bare = np.flatnonzero(~np.isfinite(mesh.uv[mesh.faces]).all(axis=(1, 2)))
     if len(bare):
         what = f"{counted(len(bare), 'face')} without UV coordinates, at face {listed(bare)}"

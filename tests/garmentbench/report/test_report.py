@@ -60,7 +60,7 @@ def test_a_missing_run_is_named_and_the_report_stays_as_it_was(root, folder, tmp
 
 
 def test_without_results_it_says_what_to_do(tmp_path):
-    with pytest.raises(UserError, match="no results yet; `make evals PRESET=smoke`"):
+    with pytest.raises(UserError, match="no results yet; `garmentbench evals --preset smoke`"):
         make_report("smoke", tmp_path, tmp_path)
     (tmp_path / "smoke").mkdir()
     (tmp_path / "smoke" / "results.csv").write_text("preset,experiment\nsmoke,baselines\n")

@@ -167,8 +167,11 @@ def test_an_entry_of_the_own_wardrobe_makes_the_whole_grid(home, capsys):
         ("[garments.tshirt]\n", "garments.tshirt is the suite's name"),
         ("[garments.sheet]\n", "garments.sheet is the suite's name"),
         ("[motions]\nfast = {split = 'test', frames = 9}\n", "motions.fast is the suite's name"),
-        ("[garments.poncho]\nmesh = 3\n", "garments.poncho.mesh is 3; wanted a table"),
-        ("[garments.poncho]\nmesh = {pins = 'top 3 cm'}\n", "garments.poncho.mesh: file is missing"),
+        ("[garments.poncho]\nmesh = 3\n", "garments.poncho.mesh is 3; wanted a text in quotes or a table"),
+        (
+            "[garments.poncho]\nmesh = {pins = 'top 3 cm'}\n",
+            "garments.poncho.mesh: file is missing; wanted a text in quotes",
+        ),
         ("[garments.poncho]\nmesh = {file = 'a.obj', pins = 3}\n", "garments.poncho.mesh.pins is 3; wanted a text"),
         ("[garments.poncho]\nmesh = {file = 'a.obj', pinz = 3}\n", "did you mean 'pins'?"),
         (
@@ -177,6 +180,9 @@ def test_an_entry_of_the_own_wardrobe_makes_the_whole_grid(home, capsys):
         ),
         ("[garments.poncho]\nmesh = 'a.obj'\nworn_over = 'tshrt'\n", "did you mean 'tshirt'?"),
         ("[garments.cape]\nmesh = 'a.obj'\nworn_over = 'over_skirt'\n", "itself worn over 'dress'"),
+        ("[motions]\nnope = {split = 'test', frames = 9}\n", "motions: unknown motion 'nope': Known: armspace-60, "),
+        ("[motions]\nstick-a = {split = 'test', frames = 9}\n", "motions: unknown motion 'stick-a'"),
+        ("[bodies.nope]\n", "bodies: unknown body 'nope'; `garmentbench bodies` lists all"),
         ("[garments.my-poncho]\n", "a garment is called 'my-poncho'; wanted letters, digits and _"),
     ],
 )

@@ -56,7 +56,7 @@ def changed(key: str, value: str) -> str:
 
 WRONG = [
     (changed("garment", "3"), "garment is 3; wanted a text in quotes"),
-    (changed("motion", "3"), "motion is 3; wanted a table"),
+    (changed("motion", "3"), "motion is 3; wanted a text in quotes or a table"),
     (changed("body", "[]"), "body is []; wanted a text in quotes"),
     (changed("split", '"trian"'), "split is 'trian'; wanted \"train\" or \"test\""),
     (changed("frames", "-3"), "frames is -3; wanted a whole number of at least 4"),
@@ -74,7 +74,9 @@ WRONG = [
     (changed("motion", '{name = "fast", speed = "fast"}'), "motion.speed is 'fast'; wanted a number"),
     (changed("motion", '{name = "fast", speed = -1}'), "motion.speed is -1; wanted a number above 0"),
     (changed("motion", '{name = "fast", freeze_after = -1}'), "motion.freeze_after is -1; wanted a whole number of at"),
-    (changed("motion", "{speed = 2}"), "motion: name is missing"),
+    (changed("motion", "{speed = 2}"), "motion: name is missing; wanted a text in quotes"),
+    (changed("motion", '{file = "a.npz"}'), 'motion: name is missing; with a file it is name = "clip"'),
+    (SCENE.replace("motion", "#"), "motion is missing; wanted a text in quotes or a table"),
     (changed("motion", '{name = "fast", sped = 2}'), "unknown key of [motion] 'sped': did you mean 'speed'?"),
     (SCENE + "[material]\nstrech = 3.0\n", "unknown key of [material] 'strech': did you mean 'stretch'?"),
     (SCENE + "[material]\nstretch = -3\n", "material.stretch is -3; wanted a number of at least 0"),
@@ -83,8 +85,9 @@ WRONG = [
     (SCENE + "[simulation]\ngravity = true\n", "simulation.gravity is True; wanted a number"),
     (SCENE + "[simulation]\nself_contact = 1\n", "simulation.self_contact is 1; wanted true or false"),
     (SCENE + "farmes = 3\n", "unknown key 'farmes': did you mean 'frames'?"),
-    ("frames = 20\n", "garment, body, motion, split are missing"),
-    ("frames = \n", "not a TOML file"),
+    ("frames = 20\n", "garment, body, motion, split are missing; wanted a text in quotes, "),
+    (changed("split", ""), "not a TOML file"),
+    ("frames = \n", 'wanted lines like frames = 100 and motion = "fast"'),
 ]  # fmt: skip
 
 
@@ -106,7 +109,7 @@ def test_a_scene_of_what_does_not_exist_is_not_shown(tmp_path, capsys, key, comp
     file = write(tmp_path, changed(key, '"capes"'))
     for command in (["scenes", "show", file], ["simulate", file, "--preset", "smoke"]):
         assert main(command) == 2
-        assert complaint in capsys.readouterr().err
+        assert f"{file}: {complaint}" in capsys.readouterr().err
 
 
 def test_a_typo_names_at_most_five_scenes(capsys):

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from garmentbench.cli import main
 from garmentbench.errors import UsageError, UserError
 from garmentbench.storage.compare import compare, list_rows
 from garmentbench.storage.runs import RunStore, run_id
@@ -177,6 +178,18 @@ def test_get_by_prefix_and_by_a_wrong_name(tmp_path):
         store.get("train-")
     with pytest.raises(UsageError, match=f"did you mean '{ids[1]}'"):
         store.get(ids[1].replace("train", "trian"))
+
+
+def test_an_unknown_filter_is_told(tmp_path, capsys):
+    """A key that no run has found none, as if it were a value."""
+    with RunStore(tmp_path / "runs").open("train", IDENTITY) as run:
+        run.finish()
+    typed = "--home", str(tmp_path), "runs"
+    for unknown, complaint in (("foo", "unknown filter 'foo': Known: "), ("knd", "did you mean 'kind'")):
+        assert main([*typed, f"{unknown}=bar"]) == 2
+        assert complaint in capsys.readouterr().err
+    assert main([*typed, "scene=none"]) == 0 and "match" in capsys.readouterr().out
+    assert main([*typed, "kind=train"]) == 0 and run.id in capsys.readouterr().out
 
 
 def test_list_filters_by_any_key_or_its_end(tmp_path):

@@ -112,6 +112,14 @@ def test_a_mesh_without_uv_becomes_a_garment_in_one_step(home, capsys):
     assert tomllib.loads("\n".join(out[-2:]))["garments"]["my_poncho"]["mesh"].endswith("My poncho.npz")
 
 
+def test_an_obj_without_uv_gets_a_map_too(home, capsys):
+    """`--fix out.obj` left it out, failed for want of it, and advised --fix."""
+    write_mesh(home / "bare.obj", replace(CLEAN, uv=None))
+    assert "unwrap the garment (--fix OUT does" in typed(capsys, "bare.obj")[1][1]
+    code, out, err = typed(capsys, "bare.obj", "--fix", "a.obj")
+    assert code == 0 and "made a UV map by xatlas" in out[0] and out[-1] == "a.obj: good" and err == []
+
+
 def test_without_xatlas_the_message_names_the_one_step(home, capsys, monkeypatch):
     monkeypatch.setitem(sys.modules, "xatlas", None)
     write_mesh(home / "bare.obj", replace(CLEAN, uv=None))

@@ -188,7 +188,7 @@ def test_closed_surfaces_have_no_opening():
     assert told(mesh) == [
         "warning: openings: no opening at all: a closed surface, as cloth with a thickness has; keep one sheet of it, "
         "the simulator gives it its thickness",
-        "error: uv: the mesh has no UV map; unwrap the garment (--fix OUT --make-uv does, by xatlas)",
+        "error: uv: the mesh has no UV map; unwrap the garment (--fix OUT does, by xatlas)",
     ]
 
 
