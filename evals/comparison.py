@@ -14,7 +14,7 @@ from garmentbench.method import Method
 from garmentbench.methods import method_names
 from garmentbench.metrics import metric
 from garmentbench.reference import Source, make_reference, resolve_source
-from garmentbench.report.cells import ABSENT, best, number, status_cell, value_cell
+from garmentbench.report.cells import ABSENT, best, competing, number, status_cell, value_cell
 from garmentbench.report.lines import REFERENCE, Line, Value, label, order
 from garmentbench.report.table import Cell, Table
 from garmentbench.scenes.presets import Preset
@@ -257,10 +257,12 @@ def accuracy_table(found: list[Line], title: str) -> Table:
     columns = errors(found) + measured_columns(found, MAIN)
     header = ["method"]
     rows = [[Cell("reference", note=True)]] + [[Cell(line.label)] for line in found]
+    unsettled = False
     for column in columns:
         header.append(column.title)
         values = [line.value(column.metric, column.horizon) for line in found]
         winner = best(values, column.metric)
+        unsettled |= len(competing(values)) > 1 and not all(value.settled for value in competing(values))
         cells = [_reference_cell(values)] + [value_cell(v, bold=v is winner and v is not None) for v in values]
         papers = [paper_cell(line, column.metric, column.horizon) for line in found]
         shown = any(cell.text for cell in papers)
@@ -275,7 +277,7 @@ def accuracy_table(found: list[Line], title: str) -> Table:
     return Table(
         f"{first.experiment}-{first.scene}",
         f"{title}: {first.garment.replace('_', ' ')}, {first.motion}",
-        _caption(found),
+        _caption(found, unsettled, any(cell.bold for row in rows for cell in row)),
         header,
         rows,
         frozenset({0, len(header) - 1}),
@@ -303,19 +305,26 @@ def _reference_cell(values: list[Value | None]) -> Cell:
     return Cell(ABSENT, note=True)
 
 
-def _caption(found: list[Line]) -> str:
+def _caption(found: list[Line], unsettled: bool, bold: bool) -> str:
+    """What the table's cells hold. `unsettled`: in some columns nothing is bold, for a value of a single training with
+    chance in it; `bold`: something is bold."""
     seeds = max(line.rows.seed.nunique() for line in found)
-    interval = f"mean over {seeds} seeds ± half the 95 % confidence interval" if seeds > 1 else "one seed"
-    once = seeds == 1 and any(line.random for line in found)
-    bold = (
-        "nothing is bold, since methods whose training has chance in it were trained once, and by how much another "
-        "training would move them isn't known"
-        if once
-        else "bold: better than every other line by more than that uncertainty, with intervals that do not overlap"
-    )
+    ran = [line for line in found if line.run_ids]
+    once = "methods whose training has chance in it were trained once, and by how much another training would move them"
+    if seeds > 1:
+        interval = f"mean over {seeds} seeds ± half the 95 % confidence interval"
+    elif ran and not any(line.random for line in ran):
+        interval = "none of the methods has chance in its training, so one seed of each"
+    else:
+        interval = "one seed"
+    if unsettled and not bold:
+        rule = f"nothing is bold, since {once} isn't known"
+    else:
+        rule = "bold: better than every other line by more than that uncertainty, with intervals that do not overlap"
+        rule += f"; nothing in other columns, where {once} isn't known" if unsettled else ""
     return (
         f"Scene {found[0].scene}; {interval}. Errors are mean distances to the reference, whose own uncertainty and "
-        f"values stand in the first line; {bold}."
+        f"values stand in the first line; {rule}."
     )
 
 

@@ -12,7 +12,7 @@ from garmentbench.errors import UserError, unknown_name
 from garmentbench.evals import CARDS, EXPERIMENTS
 from garmentbench.evals.experiment import Experiment, finished_rows
 from garmentbench.evals.own import read_experiments
-from garmentbench.evaluation.results import COLUMNS, Row
+from garmentbench.evaluation.results import COLUMNS, Row, warnings
 from garmentbench.metrics.skill import SKILL, skill
 from garmentbench.report.lines import read_results
 from garmentbench.scenes.presets import Preset
@@ -21,6 +21,7 @@ from garmentbench.storage.jobs import Failure, run_jobs
 from garmentbench.storage.machine import core_count
 
 WHOLE = ("train_frames", "horizon", "first_bad_frame")  # columns of whole numbers
+NAMED = 5  # lines that a warning names, at most
 LINE = ("experiment", "scene", "method", "variant", "train_scenes", "seed")  # what tells lines apart
 
 
@@ -82,14 +83,32 @@ def _compute(
     os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
     results = run_jobs(jobs, core_count())
     if not data_only:
-        write_results(path, all_rows([row for work in works for row in work.rows(results)]))
+        rows = [row for work in works for row in work.rows(results)]
+        write_results(path, all_rows(rows))
         from garmentbench.evals.report import make_report  # matplotlib is not for the workers
 
         page = make_report(path.parent.name, paths.reports(), paths.runs(), chosen)
+        for warning in noted(rows):
+            print(f"warning: {warning}")
         print(f"report: {page}")
     failed = [r for r in results.values() if isinstance(r, Failure)]
     if failed:
         raise UserError(f"{len(failed)} of {len(jobs)} jobs failed, the first: {failed[0].label}: {failed[0].message}")
+
+
+def noted(rows: list[Row]) -> list[str]:
+    """What has to be said of noted values, a line for each note: of which methods on which scenes."""
+    said: dict[str, list[str]] = {}
+    for row in rows:
+        line = row.method if row.variant in ("", "full") else f"{row.method} {row.variant}"
+        for warning in warnings([vars(row) | {"metric": f"{line} on {row.scene}"}]):
+            where, _, what = warning.partition(": ")
+            said.setdefault(what, []).append(where)
+    named = {what: list(dict.fromkeys(where)) for what, where in said.items()}
+    return [
+        f"{', '.join(where[:NAMED])}{f' and {len(where) - NAMED} more' if len(where) > NAMED else ''}: {what}"
+        for what, where in named.items()
+    ]
 
 
 def merged(path: Path, rows: list[Row], replaced: Iterable[str] = ()) -> list[Row]:

@@ -230,6 +230,7 @@ def evaluate(trained: Run, source: Source, preset: Preset, store: RunStore) -> R
         UserError: The training is not finished, or it was done on another garment.
     """
     from garmentbench.evaluation.excerpt import write_excerpt
+    from garmentbench.evaluation.results import TRAINED_ON_IT
     from garmentbench.evaluation.rollout import OK
     from garmentbench.evaluation.score import score
     from garmentbench.viewing.recording import write_recording
@@ -261,7 +262,10 @@ def evaluate(trained: Run, source: Source, preset: Preset, store: RunStore) -> R
             write_recording(run.folder / "recording.rrd", sequence, roll, f"{method.name} on {reference.name}")
             bad = one if roll.status == OK else roll
             ending = {"status": bad.status, "first_bad_frame": bad.first_bad_frame, "message": bad.message}
-            run.finish({"rows": [row.measured for row in score(roll, one, sequence)], **ending})
+            rows = score(roll, one, sequence)
+            if getattr(method, "learns", True) and _was_trained_on(trained, identity):
+                rows = [row if row.unit == "ms" else row.noted(TRAINED_ON_IT) for row in rows]
+            run.finish({"rows": [row.measured for row in rows], **ending})
     return store.get(run.id)
 
 
@@ -273,6 +277,12 @@ def _predict(method: Method, sequence: "Recording", run: Run) -> tuple["RollOut"
         roll = roll_out(method, sequence, step)
     with run.track(len(sequence) - HISTORY, f"single steps of {method.name}") as step:
         return roll, one_step(method, sequence, step)
+
+
+def _was_trained_on(trained: Run, tested: dict[str, Any]) -> bool:
+    """Is what an evaluation's identity tests on among the training scenes, by name or by content?"""
+    learnt = trained.identity
+    return tested["scene"] in learnt["train_scenes"] or tested["data"] in list(learnt["data"])  # a text of `keep`'s
 
 
 def _address(method: type[Method]) -> str:

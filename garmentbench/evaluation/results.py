@@ -1,16 +1,23 @@
 """Rows of results.csv: one measured value each."""
 
 import math
-from dataclasses import dataclass, fields
+from collections.abc import Iterable
+from dataclasses import dataclass, fields, replace
 
 from garmentbench.metrics import Metric
-from garmentbench.metrics.l2 import ROLLOUT_L2
+from garmentbench.metrics.l2 import ONE_STEP_L2, ROLLOUT_L2
 
 BELOW_UNCERTAINTY = "below the reference's uncertainty"
+EXACTLY_ZERO = "exactly the reference"
+TRAINED_ON_IT = "trained on this scene"
 UNDER_LOAD = "timed under load"
+BETWEEN = "; "  # of several notes on one value
 WARNINGS = {  # what to say where a noted value is read
     BELOW_UNCERTAINTY: "the reference itself can't be repeated as exactly, so the difference means nothing; "
     "does the method read the reference?",
+    EXACTLY_ZERO: "no prediction hits every vertex to the last digit; does the method read the reference, or does "
+    "nothing move?",
+    TRAINED_ON_IT: "a training error, which says nothing of other motions; test on a scene that isn't trained on",
     UNDER_LOAD: "wall time is far above processor time; the machine did other work, or the method waits for something; "
     "delete the run's folder and evaluate again on an idle machine",
 }
@@ -30,7 +37,7 @@ class Row:
         status, first_bad_frame: How the roll-out ended: "ok", "diverged", "failed".
         run_id: The run that measured it; a message in parentheses where none could be made.
         train_scenes: What the method was trained on, names joined by "+".
-        note: What a reader must know of the value: `BELOW_UNCERTAINTY`, `UNDER_LOAD`, or nothing.
+        note: What a reader must know of the value: keys of `WARNINGS` joined by `BETWEEN`, or nothing.
     """
 
     preset: str = ""
@@ -58,11 +65,20 @@ class Row:
 
     @classmethod
     def of(cls, metric: Metric, value: float, **columns) -> "Row":
-        """A metric's value, with its unit and, for a free roll-out's error below the uncertainty, a note."""
+        """A metric's value, with its unit and, for an error that no honest prediction has, a note.
+
+        A single step may well err by less than the uncertainty, which has grown over all frames; but not by nothing.
+        """
         uncertainty = columns.get("uncertainty")
         if metric is ROLLOUT_L2 and uncertainty is not None and value < uncertainty:
             columns.setdefault("note", BELOW_UNCERTAINTY)
+        elif metric in (ROLLOUT_L2, ONE_STEP_L2) and value == 0:
+            columns.setdefault("note", EXACTLY_ZERO)
         return cls(metric=metric.name, value=float(value), unit=metric.unit, **columns)
+
+    def noted(self, note: str) -> "Row":
+        """The row with a further note."""
+        return replace(self, note=BETWEEN.join(filter(None, (self.note, note))))
 
     @property
     def measured(self) -> dict:
@@ -83,12 +99,17 @@ _MEASURED = {
 }
 
 
+def notes(kept: Iterable[str | None]) -> list[str]:
+    """Each note once, of the rows' columns `note`."""
+    return list(dict.fromkeys(note for text in kept if text for note in text.split(BETWEEN)))
+
+
 def warnings(rows: list[dict]) -> list[str]:
     """What has to be said beside noted values, once a note; rows as `Row.measured` gives them."""
     noted: dict[str, list[str]] = {}
     for row in rows:
-        if row.get("note"):
-            noted.setdefault(row["note"], []).append(row["metric"])
+        for note in notes([row.get("note")]):
+            noted.setdefault(note, []).append(row["metric"])
     return [
         f"{', '.join(dict.fromkeys(names))}: {note}: {WARNINGS.get(note, '')}".removesuffix(": ")
         for note, names in noted.items()

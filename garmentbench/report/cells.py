@@ -59,12 +59,17 @@ def best(values: list[Value | None], name: str) -> Value | None:
     best.
     """
     merit = {"low": lambda x: -x, "high": lambda x: x, "one": lambda x: -abs(x - 1.0)}[metric(name).best]
-    running = [v for v in values if v is not None and not v.endings and not v.notes]
+    running = competing(values)
     if len(running) < 2 or not all(v.settled for v in running):
         return None
     first, *others = sorted(running, key=lambda v: -merit(v.mean))
     clear = all(abs(first.mean - v.mean) > max(first.uncertainty, _both_intervals(first, v)) for v in others)
     return first if clear and not math.isnan(first.uncertainty) else None
+
+
+def competing(values: list[Value | None]) -> list[Value]:
+    """Those that may be best: all seeds have one, and nothing is noted."""
+    return [v for v in values if v is not None and not v.endings and not v.notes]
 
 
 def _both_intervals(one: Value, other: Value) -> float:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from garmentbench.errors import UserError
-from garmentbench.evaluation.results import COLUMNS
+from garmentbench.evaluation.results import COLUMNS, notes
 
 if TYPE_CHECKING:
     from garmentbench.evaluation.excerpt import Excerpt
@@ -183,7 +183,7 @@ def _value(rows: Frame, random: bool) -> Value:
         reference=float(rows.reference_value.iloc[0]),
         uncertainty=float(rows.uncertainty.iloc[0]),
         settled=len(finite) > 1 or not random,
-        notes=tuple(note for note in rows.note.unique() if note),
+        notes=tuple(notes(rows.note)),
     )
 
 

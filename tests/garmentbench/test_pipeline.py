@@ -3,6 +3,7 @@
 Names resolved once, other garments refused, failures told.
 """
 
+import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -169,3 +170,20 @@ def test_a_step_that_returns_no_state_is_told_so(files, capsys):
     scenes = ("--train-scene", "one.h5", "--scene", "test.h5")
     code, _, lines = typed(capsys, "evaluate", "foreign_methods:ForgetsTheState", *scenes, *SMALL)
     assert code == 1 and lines[-1].endswith("frame 3 of test: step returned one array; return (positions, state)")
+
+
+@pytest.mark.parametrize(
+    ("method", "noted"), [("linear_subspace", True), ("foreign_methods:Good", True), ("hold", False)]
+)
+def test_a_test_on_a_training_scene_is_noted(files, capsys, method, noted):
+    """By name or by content; a method that learns nothing is exempt."""
+    shutil.copy(files / "one.h5", files / "same.h5")
+    for train in ("one.h5", "same.h5"):
+        scenes = ("--train-scene", train, "--train-scene", "two.h5", "--scene", "one.h5")
+        code, out, _ = typed(capsys, "evaluate", method, *scenes, *SMALL)
+        assert code == 0 and ("trained on this scene: a training error" in out) == noted
+    out = typed(capsys, "evaluate", method, "--train-scene", "two.h5", "--scene", "test.h5", *SMALL)[1]
+    assert "trained on this scene" not in out
+    run = next(r for r in RunStore().list({"kind": "evaluate"}) if r.identity["train_scenes"] == ["same", "two"])
+    notes = {row["metric"]: row["note"] for row in run.results["rows"]}
+    assert ("trained on this scene" in notes["rollout_l2"]) == noted and "trained" not in notes["ms_per_frame"]

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from garmentbench.evaluation.results import BELOW_UNCERTAINTY, COLUMNS, UNDER_LOAD, Row
+from garmentbench.evaluation.results import BELOW_UNCERTAINTY, COLUMNS, EXACTLY_ZERO, UNDER_LOAD, Row
 from garmentbench.evaluation.rollout import RollOut
 from garmentbench.evaluation.score import score
 from garmentbench.evaluation.toy import tiny_sequence
@@ -181,7 +181,7 @@ def test_a_roll_out_nearer_than_the_reference_can_be_repeated_is_noted(metres, n
     """N7: a method that reads the reference gets 0 cm; the value stays."""
     sequence = tiny_sequence(60)
     sequence.info["uncertainty"] = {"cm": 0.2}
-    rows = by_name(score(shifted(sequence, metres), shifted(sequence, 0.0, "one_step"), sequence))
+    rows = by_name(score(shifted(sequence, metres), shifted(sequence, 0.00005, "one_step"), sequence))
     assert rows["rollout_l2", 50].note == rows["rollout_l2", 60].note == note
     assert rows["rollout_l2", 60].value == pytest.approx(100 * metres, rel=1e-3)
     assert rows["one_step_l2", 1].note == ""  # three true frames are given: it may be nearer
@@ -205,3 +205,19 @@ def test_a_row_is_kept_as_plain_values_and_read_back():
     for row in score(shifted(sequence), None, sequence):
         assert Row(**json.loads(json.dumps(row.measured))) == row
     assert COLUMNS[:3] == ["preset", "experiment", "scene"] and COLUMNS[-2:] == ["train_scenes", "note"]
+
+
+@pytest.mark.parametrize(("metres", "note"), [(0.0, EXACTLY_ZERO), (0.00005, ""), (0.01, "")])
+@pytest.mark.parametrize("uncertainty", [{"cm": 0.2}, None])
+def test_a_single_step_is_noted_where_it_makes_no_error_at_all(metres, note, uncertainty):
+    """An honest rule may beat the uncertainty there, which gathers over a whole run."""
+    sequence = tiny_sequence(60)
+    if uncertainty:
+        sequence.info["uncertainty"] = uncertainty
+    rows = by_name(score(shifted(sequence), shifted(sequence, metres, "one_step"), sequence))
+    assert rows["one_step_l2", 1].note == note
+
+
+def test_no_error_at_all_is_noted_also_where_the_uncertainty_is_not_known():
+    sequence = tiny_sequence(60)
+    assert by_name(score(shifted(sequence, 0.0), None, sequence))["rollout_l2", 60].note == EXACTLY_ZERO
