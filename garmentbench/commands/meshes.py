@@ -64,7 +64,7 @@ class Import:
     def run(self) -> None:
         from garmentbench.device import one_thread, quiet_warp
         from garmentbench.importing.meshes.conventions import Given
-        from garmentbench.importing.meshes.importing import Wanted, import_files
+        from garmentbench.importing.sequences import Wanted, import_files
 
         one_thread()
         quiet_warp()

@@ -1,1 +1,4 @@
-"""Other people's files: meshes, motions, and a doctor for meshes. The core never imports this."""
+"""Other people's files: meshes, motions, a doctor for meshes, and what makes sequences of them. The core never
+imports this;
+of the methods only the readers of their authors' files do.
+"""

@@ -105,7 +105,7 @@ def not_worn(mesh: Mesh, wearer: Wearer, units: str = "m") -> list[Finding]:
 def never_worn(sequence: Sequence) -> list[Problem]:
     """A problem where the body of a sequence, if it is a human, isn't in the garment in frame 0."""
     template = sequence.template
-    if template.body is None or template.body.kind != HUMAN:
+    if template.body is None or sequence.body is None or template.body.kind != HUMAN:
         return []
     garment, body = template.garment, replace(template.body, rest=sequence.body[0])
     count = np.arange(len(garment.rest))

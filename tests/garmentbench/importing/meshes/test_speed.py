@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from garmentbench.importing.meshes.conventions import Given
-from garmentbench.importing.meshes.importing import Wanted, import_meshes
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence
 from garmentbench.importing.meshes.obj import read_series, series, write_series
+from garmentbench.importing.sequences import Wanted, import_meshes
 
 SIDE, FRAMES = 142, 10
 

@@ -11,10 +11,10 @@ from garmentbench.errors import UsageError, UserError
 from garmentbench.evaluation.rollout import RollOut
 from garmentbench.importing.meshes.arrays import write_npz
 from garmentbench.importing.meshes.conventions import Given
-from garmentbench.importing.meshes.importing import Wanted, import_meshes
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence
 from garmentbench.importing.meshes.obj import write_series, write_template
 from garmentbench.importing.meshes.point_caches import write_mdd, write_pc2
+from garmentbench.importing.sequences import Wanted, import_meshes
 
 CLOTH, BODY = MESHES["garment"], MESHES["body"]
 PLAIN = Wanted("x", Given("m", "z", 25.0))

@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 
 from garmentbench import sequence_file
-from garmentbench.errors import Problem, UsageError, UserError
+from garmentbench.errors import UsageError, UserError
+from garmentbench.importing.mesh_doctor.orientation import faces_inward
+from garmentbench.importing.mesh_doctor.worn import never_worn
 from garmentbench.importing.meshes.conventions import Conventions, Given, find_conventions, unit_name
 from garmentbench.importing.meshes.frame_check import check_frames
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence, refusal
@@ -70,7 +72,7 @@ def import_files(garment: Place, body: Place, wanted: Wanted, out: Path) -> list
     if sequence.template.needs.interpenetration and "interpenetration" not in sequence.scores:
         sequence = measured(sequence)
         notes.append(_inside(sequence))
-        notes += [f"warning: {problem.where}: {problem.what}" for problem in _never_worn(sequence)]
+        notes += [f"warning: {problem.where}: {problem.what}" for problem in never_worn(sequence)]
     sequence_file.save(sequence, out)
     return notes
 
@@ -87,12 +89,6 @@ def _inside(sequence: Sequence) -> str:
     if percent > _MUCH:
         return f"warning: {line}: do both have the same times, axes and unit, and is this its body?"
     return line
-
-
-def _never_worn(sequence: Sequence) -> list[Problem]:
-    from garmentbench.importing.mesh_doctor.worn import never_worn
-
-    return never_worn(sequence)
 
 
 def _own_sequence(source: str) -> Sequence | None:
@@ -198,8 +194,6 @@ def _handed(
         frames, moving: Positions of garment and body, shape (T, V, 3).
         flipped: Did the body's faces point inwards?
     """
-    from garmentbench.importing.mesh_doctor.orientation import faces_inward
-
     inward = faces_inward(replace(cloth, rest=frames[0]), replace(body, rest=moving[0]))
     if flipped and inward:
         for positions in (cloth.rest, body.rest, frames, moving):
