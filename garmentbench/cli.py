@@ -6,8 +6,10 @@
 import argparse
 import contextlib
 import difflib
+import inspect
 import io
 import os
+import re
 import sys
 import warnings
 from collections.abc import Iterator, Sequence
@@ -88,7 +90,11 @@ def parse(arguments: list[str]) -> Command:
     name = arguments[0]
     if not name.startswith("-") and name not in COMMANDS:
         raise unknown_name("command", name, list(COMMANDS))
-    union: Any = reduce(or_, (Annotated[kind, tyro.conf.subcommand(n)] for n, kind in COMMANDS.items()))
+    about = _text if name in COMMANDS else _first_sentence
+    union: Any = reduce(
+        or_,
+        (Annotated[kind, tyro.conf.subcommand(n, description=about(kind))] for n, kind in COMMANDS.items()),
+    )
     box = io.StringIO()
     try:
         with contextlib.redirect_stderr(box):
@@ -102,6 +108,15 @@ def parse(arguments: list[str]) -> Command:
     if unknown:
         raise _unknown_argument(unknown[0], name, command)
     return command
+
+
+def _text(command: type) -> str:
+    """What a command's help says above its options, each example a paragraph, as tyro joins lines."""
+    return (inspect.getdoc(command) or "").partition("\n\nAttributes:")[0].replace("\nExample: ", "\n\nExample: ")
+
+
+def _first_sentence(command: type) -> str:
+    return re.split(r"(?<=\.)\s", _text(command))[0]
 
 
 def _show_warning(message: Warning | str, *_: object) -> None:

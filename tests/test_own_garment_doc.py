@@ -45,7 +45,7 @@ def test_nine_commands_lead_from_a_mesh_to_a_report_and_a_picture(home, capsys):
     write_poncho(folder / "poncho.obj", folder / "body.obj")
     for command in commands[1:]:
         typed(command)
-    assert load_scene("poncho-catwalk-slim").material == Material(bending=1e-4)
+    assert load_scene("poncho-catwalk-slim").material == Material(bending=3e-3)
     rows = pandas.read_csv(folder / "reports" / "poncho-smoke" / "results.csv")
     tested = rows[(rows.experiment == "poncho") & (rows.metric == "rollout_l2")]
     assert set(tested.method) == {"skinning", "linear_subspace"} and set(tested.status) == {"ok"}
@@ -57,21 +57,24 @@ def test_nine_commands_lead_from_a_mesh_to_a_report_and_a_picture(home, capsys):
 
 
 def test_a_scene_without_an_entry_has_a_name_from_then_on(home):
+    """... also after the nine commands, when the wardrobe has a poncho."""
     folder, _ = home
     assert main(["bodies", "export", "base", "body.obj"]) == 0
     write_poncho(folder / "poncho.obj", folder / "body.obj")
+    (entry,) = (line for line in BLOCKS[0] if line.endswith(">> wardrobe.toml"))
+    typed(entry)
     assert main(["check", "poncho.obj", "--fix", "poncho.npz"]) == 0
-    (command,) = BLOCKS[1]
-    typed(command)
-    assert load_scene("poncho-run-tall").frames == 150
-    assert main(["card", "poncho-run-tall", "--preset", "smoke"]) == 0
+    for command in BLOCKS[1]:
+        typed(command)
+    assert load_scene("cape-run-tall").frames == 150
+    assert main(["card", "cape-run-tall", "--preset", "smoke"]) == 0
 
 
 def test_the_wardrobe_in_the_document_is_one(tmp_path):
     (entry,) = re.findall(r"```toml\n(.*?)```", TEXT, flags=re.S)
     (tmp_path / "wardrobe.toml").write_text(entry)
     skirt = read_wardrobe(tmp_path / "wardrobe.toml").garments["skirt"]
-    assert skirt.material == Material(bending=1e-4, density=0.3)
+    assert skirt.material == Material(bending=1e-3, density=0.3)
     assert skirt.simulation == Settings(self_contact=True, queries=6)
     assert skirt.mesh is not None and skirt.mesh.pins == "waistband"
     assert all(f"`{name}`" in TEXT for name in vars(Material()))

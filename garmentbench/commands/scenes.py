@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Scenes:
-    """List the scenes, or show what one holds, what it needs and what is left out for it.
+    """List the scenes, or show one: what it holds, what methods get with it and what they do without.
 
     Example: garmentbench scenes show sheet-stick-a
     Example: garmentbench scenes garment=dress split=test

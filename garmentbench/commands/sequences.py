@@ -94,9 +94,10 @@ class Simulate:
 
     def _own_scene(self) -> "Scene":
         """The scene of --garment, --motion and --body."""
+        from garmentbench.reference import check_scene
         from garmentbench.scenes.garment_file import ENDINGS, garment_name
         from garmentbench.scenes.scene import MeshFile, Motion, Scene
-        from garmentbench.scenes.wardrobe import scene_name, wardrobe
+        from garmentbench.scenes.wardrobe import scene_name, scene_names, wardrobe
 
         known, own = wardrobe(), Path(self.garment).suffix.lower() in ENDINGS
         garment = garment_name(self.garment) if own else self.garment
@@ -109,10 +110,14 @@ class Simulate:
         name = scene_name(garment, garment_name(self.motion) if clip else self.motion, self.body)
         scene = known.entry(garment).worn(Scene(name, garment, self.body, motion, self.split, self.frames))
         if own:
-            if garment in known.garments:
-                raise UsageError(f"simulate: the wardrobe has a garment '{garment}'; rename {self.garment}")
             mesh = MeshFile(Path(self.garment).resolve().as_posix(), self.pins or None)
             scene = replace(scene, mesh=mesh)
+            if garment in known.garments:
+                check_scene(scene)  # a wrong motion or body is told first
+                instead = f"simulate {name}" if name in scene_names() else f"--garment {garment}"
+                raise UsageError(
+                    f"simulate: '{garment}' is already a garment of the wardrobe: `{instead}`, or rename {self.garment}"
+                )
         return known.wearing(scene)
 
 
@@ -120,11 +125,17 @@ def _print(reference: "Reference", started: float) -> None:
     """The sequence's path and uncertainty, where it went wrong, and, if it was made since `started` (a time of
     `time.time`), what `check` would warn of."""
     from garmentbench import sequence_file
+    from garmentbench.report.card_text import flaw
     from garmentbench.sequence_file.examine import check_sequence
 
     sequence = sequence_file.load(reference.path, frames=1)
     uncertainty, simulation = sequence.uncertainty_cm, sequence.info.get("simulation", {})
     print(reference.path if uncertainty is None else f"{reference.path}: ± {uncertainty:.2g} cm")
+    chance = flaw("uncertainty", uncertainty)
+    if chance is not None:
+        do = "Errors below it mean nothing: raise bending in its [material], shorten what hangs free"
+        cross = "" if simulation.get("settings", {}).get("self_contact") else ", switch self_contact on if faces cross"
+        print(f"{reference.name}: warning: {chance} {do}{cross}.")
     if simulation.get("first_bad_frame") is not None:
         bad = f"{simulation['status']} from frame {simulation['first_bad_frame']} on"
         print(f"{reference.name}: {bad}, see its data card")

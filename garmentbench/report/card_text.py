@@ -35,7 +35,7 @@ def markdown(card: Card) -> str:
         lines += [f"## {section}", ""]
         lines += [_NOTES[section], ""] if section in _NOTES else []
         lines += ["| | |", "|---|---:|", *(_row(card, fact) for fact in FACTS if fact.section == section), ""]
-        lines += [_minutes(card), ""] if section == COST else []
+        lines += [_whole_time(card), ""] if section == COST else []
     lines += [
         "## Known flaws",
         "",
@@ -50,7 +50,7 @@ def flaws(card: Card) -> list[str]:
     n, found = card.numbers, []
     if card.status not in ("", "ok"):
         found.append(f"The simulation is {card.status} from frame {n.get('first_bad_frame', math.nan):.0f} on.")
-    found += [text.format(n[name], limit) for name, limit, text in LIMITS if n.get(name, 0.0) > limit]
+    found += filter(None, (flaw(name, n.get(name)) for name, *_ in LIMITS))
     if n.get("self_contact") == 0:
         found.append("The cloth does not touch itself: self-contact is off.")
     if card.status:
@@ -67,6 +67,11 @@ def flaws(card: Card) -> list[str]:
     return found
 
 
+def flaw(name: str, value: float | None) -> str | None:
+    """How it is said that a measured value is more than it may be (`LIMITS`); None where it is not."""
+    return next((t.format(value, limit) for n, limit, t in LIMITS if n == name and (value or 0.0) > limit), None)
+
+
 def _what(card: Card) -> list[str]:
     names = (("garment", card.garment), ("body", card.body or "none"), ("motion", card.motion), ("split", card.split))
     rows = [f"| {name} | {value} |" for name, value in names]
@@ -75,15 +80,13 @@ def _what(card: Card) -> list[str]:
     return ["| | |", "|---|---|", *rows, *([""] if card.notes else []), *(f"- {note}" for note in card.notes)]
 
 
-def _minutes(card: Card) -> str:
+def _whole_time(card: Card) -> str:
     """What all frames cost, in words."""
     if "ms_per_frame" not in card.numbers:
         return "What it cost is not known."
-    minutes = card.numbers["ms_per_frame"] * card.numbers["frames"] / 6e4
-    return (
-        f"{minutes:.2g} minutes for all frames, in one process; the two runs that measure the uncertainty are not "
-        "counted."
-    )
+    seconds = card.numbers["ms_per_frame"] * card.numbers["frames"] / 1e3
+    time = f"{seconds:.2g} seconds" if seconds < 60 else f"{seconds / 60:.2g} minutes"
+    return f"{time} for all frames, in one process; the two runs that measure the uncertainty are not counted."
 
 
 def _row(card: Card, fact: Fact) -> str:

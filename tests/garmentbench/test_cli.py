@@ -119,7 +119,17 @@ def test_help_of_each_command_shows_an_example(name, capsys):
     with pytest.raises(SystemExit) as end:
         main([name, "--help"])
     assert end.value.code == 0
-    assert f"Example: garmentbench {name}" in capsys.readouterr().out
+    lines = capsys.readouterr().out.splitlines()
+    examples = [line for line in lines if "Example: " in line]
+    assert any(line.startswith(f"Example: garmentbench {name}") for line in examples)
+    assert all(line.startswith("Example: ") and line.count("Example: ") == 1 for line in examples)
+
+
+def test_the_help_of_all_says_one_sentence_a_command(capsys):
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    out = capsys.readouterr().out
+    assert out.count("Example: ") == 1 and "Attributes:" not in out and out.count("\n") < 4 * len(COMMANDS)
 
 
 @pytest.mark.parametrize(

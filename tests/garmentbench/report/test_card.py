@@ -80,7 +80,7 @@ def test_a_card_says_what_was_measured():
     assert headings(text) == HEADINGS
     assert text.startswith("# Data card: tshirt-armspace-90 (smoke)\n")
     assert found["frames"] == "20" and found["garment vertices"] == str(len(tiny.garment.rest))
-    assert found["simulator, a frame [ms]"] == "60" and "0.02 minutes for all frames" in text  # 20 x 60 ms = 1.2 s
+    assert found["simulator, a frame [ms]"] == "60" and "1.2 seconds for all frames" in text  # 20 x 60 ms = 1.2 s
     assert found["the larger of the next two [cm]"] == "0.25" and found["strict, by signed distance [%]"] == "0.05"
     assert found["self-contact is simulated"] == "yes"
     assert "`garmentbench evaluate METHOD --train-scene TRAINING --scene tshirt-armspace-90 --preset smoke`" in text

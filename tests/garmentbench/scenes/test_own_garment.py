@@ -1,12 +1,16 @@
 """Garments of the user's own: read from OBJ and .npz, pinned, sewn, in a wardrobe or on the command line."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from poncho import AROUND, RINGS, write_poncho
 
+from garmentbench import sequence_file
 from garmentbench.cli import main
 from garmentbench.errors import UserError
-from garmentbench.reference import reference_identity, resolve_source
+from garmentbench.evaluation.toy import tiny_sequence
+from garmentbench.reference import Reference, reference_identity, resolve_source
 from garmentbench.scenes.garment_file import read_garment
 from garmentbench.scenes.garments import garment_names, load_garment
 from garmentbench.scenes.presets import preset
@@ -190,6 +194,36 @@ def test_a_wrong_entry_is_one_line(home, capsys, entry, complaint):
     (home / "wardrobe.toml").write_text(entry)
     code, out, err = typed(capsys, "scenes")
     assert code == 1 and out == "" and err.count("\n") == 1 and "wardrobe.toml: " in err and complaint in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (("--motion", "run", "--body", "tall"), "`--garment poncho`, or rename poncho.obj"),
+        (("--motion", "catwalk", "--body", "slim"), "`simulate poncho-catwalk-slim`, or rename poncho.obj"),
+        (("--motion", "rnu"), "did you mean 'run'"),
+        (("--body", "tal"), "did you mean 'tall'"),
+    ],
+)
+def test_a_garment_of_the_wardrobe_given_as_a_file_is_told_what_to_do(home, capsys, arguments, complaint):
+    (home / "wardrobe.toml").write_text('[garments.poncho]\nmesh = "poncho.obj"\n')
+    code, _, err = typed(capsys, "simulate", "--garment", "poncho.obj", *arguments, "--preset", "smoke")
+    assert code == 2 and err.count("\n") == 1 and complaint in err and not (home / "scenes").exists()
+    assert ("'poncho' is already a garment" in err) == ("rename" in complaint)
+
+
+@pytest.mark.parametrize(("cm", "warned"), [(3.9, True), (0.2, False)])
+def test_an_uncertainty_in_which_errors_drown_is_warned_of(home, capsys, monkeypatch, cm, warned):
+    """... with the words of the data card's known flaws, and what to do."""
+    sequence = tiny_sequence(8)
+    sequence_file.save(replace(sequence, info={**sequence.info, "uncertainty": {"cm": cm}}), home / "a.h5")
+    reference = Reference("sheet-stick-a", home / "a.h5", "")
+    monkeypatch.setattr("garmentbench.reference.make_reference", lambda *_: reference)
+    code, out, _ = typed(capsys, "simulate", "sheet-stick-a", "--preset", "smoke")
+    warning = (
+        "sheet-stick-a: warning: Its own uncertainty is 3.9 cm, more than 0.3 cm. Errors below it mean nothing: raise"
+    )
+    assert code == 0 and (warning in out) == warned and ("warning" in out) == warned
 
 
 @pytest.mark.parametrize("name", ["dress-catwalk", "stress-far"])
