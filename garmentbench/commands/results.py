@@ -32,7 +32,7 @@ class Evals:
         preset: Size: smoke, laptop or paper.
         mesh: Another size of garment and body than the preset's.
         model: Another size of the methods' networks than the preset's.
-        seeds: Trainings of each method that has chance in it (1, or as a file says).
+        seeds: How often each method whose training is random is trained, by default once or as a file says.
         data_only: Only simulate the scenes.
         device: auto, cpu or cuda.
     """
@@ -72,7 +72,8 @@ class Runs:
     Example: garmentbench runs --compare train-1f00c0ffee12 train-2f00
 
     Attributes:
-        filters: key=value; a key is one of run.json's, dotted ("identity.config.width"), or its end ("width").
+        filters: key=value; a key is a name in run.json, such as method, scene, state or preset, with dots where
+            it is nested ("identity.config.width"), or the last part of it ("width").
         compare: Ids, or beginnings of ids, of runs to lay side by side.
     """
 

@@ -24,7 +24,7 @@ class Scenes:
 
     Attributes:
         words: "show" and a scene's name (or the path of a TOML file; the name alone will do), or which ones to list:
-            patterns, and filters by garment, body, motion or split.
+            patterns, and filters by garment, body, motion or split, as in the examples.
     """
 
     words: Positional[tuple[str, ...]] = ()

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 class Simulate:
     """Simulate scenes into reference sequences, several at a time. Existing ones by the same code are reused.
 
-    All are checked before the first is simulated; where one fails, the others are made. Warnings are as of `check`.
+    All are checked before the first is simulated; where one fails, the others are made. Of each new one
+    it says what `check` would warn of.
 
     With --garment: one scene of any garment in any motion on any body. It is written to scenes/ in the home folder, and
     from then on its name, <garment>-<motion> or <garment>-<motion>-<body>, can be used wherever a scene's name is.

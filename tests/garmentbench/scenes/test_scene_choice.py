@@ -10,13 +10,13 @@ from garmentbench import sequence_file
 from garmentbench.cli import main
 from garmentbench.errors import UsageError
 from garmentbench.evaluation.toy import tiny_sequence
-from garmentbench.motion import motion_names
+from garmentbench.motion import human_motions, motion_names
 from garmentbench.reference import Reference
 from garmentbench.scenes.bodies import body_names
 from garmentbench.scenes.choice import choose_scenes
 from garmentbench.scenes.garments import garment_names
 from garmentbench.scenes.scene import Scene
-from garmentbench.scenes.wardrobe import load_scene, scene_names
+from garmentbench.scenes.wardrobe import load_scene, scene_names, wardrobe
 
 GARMENTS = ("tshirt", "bodysuit", "pleated_skirt", "dress", "over_skirt")
 UNSEEN = ("armspace-60", "armspace-90", "catwalk", "strut", "fast", "dance-spin", "dance-bounce")
@@ -64,6 +64,16 @@ def test_no_motion_of_the_base_body_is_in_both_splits():
 )  # fmt: skip
 def test_words_choose_scenes(words, names):
     assert [scene.name for scene in choose_scenes(words)] == names
+
+
+def test_a_wardrobe_may_name_every_motion_of_the_human(tmp_path, monkeypatch):
+    """Motions of the user's own grid are checked against those of the suite's scenes, which have them all."""
+    monkeypatch.chdir(tmp_path)
+    entries = [
+        f"{name} = {{split = 'test', frames = 9}}\n" for name in human_motions() if name not in wardrobe().motions
+    ]
+    (tmp_path / "wardrobe.toml").write_text("[motions]\n" + "".join(entries))
+    assert set(wardrobe().motions) == set(human_motions()) and entries
 
 
 def test_no_words_choose_all():
