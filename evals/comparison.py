@@ -18,7 +18,7 @@ from garmentbench.report.cells import ABSENT, best, competing, number, status_ce
 from garmentbench.report.lines import REFERENCE, Line, Value, label, order
 from garmentbench.report.table import Cell, Table
 from garmentbench.scenes.presets import Preset
-from garmentbench.storage.jobs import Job
+from garmentbench.storage.jobs import Job, Reused
 from garmentbench.storage.runs import Run, RunStore
 
 if TYPE_CHECKING:
@@ -223,19 +223,24 @@ def _jobs(trial: Trial, trials: list[Trial], preset: Preset) -> list[Job]:
     ]
 
 
-def _simulate(source: Source, preset: Preset) -> Path:
-    return make_reference(source, preset).path
+def _simulate(source: Source, preset: Preset) -> Path | Reused:
+    reference = make_reference(source, preset)
+    return Reused(reference.path) if reference.reused else reference.path
 
 
-def _train(*inputs: Any) -> str:
+def _train(*inputs: Any) -> str | Reused:
     *_, trial, preset = inputs
     frames = trial.entry.train_frames
-    return pipeline.train(trial.choice, trial.train, preset, frames, trial.seed, RunStore()).id
+    return _id(pipeline.train(trial.choice, trial.train, preset, frames, trial.seed, RunStore()))
 
 
-def _evaluate(trained: str, _: Path, trial: Trial, preset: Preset) -> str:
+def _evaluate(trained: str, _: Path, trial: Trial, preset: Preset) -> str | Reused:
     store = RunStore()
-    return pipeline.evaluate(store.get(trained), trial.test, preset, store).id
+    return _id(pipeline.evaluate(store.get(trained), trial.test, preset, store))
+
+
+def _id(run: Run) -> str | Reused:
+    return Reused(run.id) if run.reused else run.id
 
 
 @dataclass(frozen=True)

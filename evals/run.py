@@ -91,9 +91,12 @@ def _compute(
         for warning in noted(rows):
             print(f"warning: {warning}")
         print(f"report: {page}")
-    failed = [r for r in results.values() if isinstance(r, Failure)]
+    failures = [r for r in results.values() if isinstance(r, Failure)]
+    failed = [r for r in failures if not r.skipped]
     if failed:
-        raise UserError(f"{len(failed)} of {len(jobs)} jobs failed, the first: {failed[0].label}: {failed[0].message}")
+        skipped = f", {len(failures) - len(failed)} that need them were skipped" if len(failures) > len(failed) else ""
+        first = f"{failed[0].label}: {failed[0].message}"
+        raise UserError(f"{len(failed)} of {len(jobs)} jobs failed{skipped}; the first: {first}")
 
 
 def noted(rows: list[Row]) -> list[str]:

@@ -175,7 +175,7 @@ def train(
             with _foreign_code(run, "fit", choice.method):
                 choice.method.fit(sequences, choice.config, run).save(folder)
             run.finish({"garment": garment_mesh(sequences[0]), "random": choice.random})
-    return store.get(run.id)
+    return _finished(run)
 
 
 def training_run(folder: Path | str | None = None, seed: int = 0) -> Run:
@@ -266,7 +266,14 @@ def evaluate(trained: Run, source: Source, preset: Preset, store: RunStore) -> R
             if getattr(method, "learns", True) and _was_trained_on(trained, identity):
                 rows = [row if row.unit == "ms" else row.noted(TRAINED_ON_IT) for row in rows]
             run.finish({"rows": [row.measured for row in rows], **ending})
-    return store.get(run.id)
+    return _finished(run)
+
+
+def _finished(run: Run) -> Run:
+    """A finished run to read from; it says whether it was there already."""
+    found = run.store.get(run.id)
+    found.reused = run.reused
+    return found
 
 
 def _predict(method: Method, sequence: "Recording", run: Run) -> tuple["RollOut", "RollOut"]:

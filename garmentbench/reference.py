@@ -51,11 +51,13 @@ class Reference:
         name: The scene's name; of a finished file its stem.
         path: The sequence file.
         identity: Hash of all that decides it: of scene, assets and code, or of the finished file's contents.
+        reused: It was there already.
     """
 
     name: str
     path: Path
     identity: str
+    reused: bool = False
 
 
 def resolve_source(name: str) -> Source:
@@ -101,14 +103,15 @@ def make_reference(source: Source, preset: Preset) -> Reference:
     Raises `UserError` for a wrong scene, or when the file can't be read or written.
     """
     if isinstance(source, SequenceFile):
-        return Reference(source.name, source.path, sequence_file.content_hash(source.path))
+        return Reference(source.name, source.path, sequence_file.content_hash(source.path), reused=True)
     path = sequence_path(preset.mesh.name, source.name)
     identity = reference_identity(source, preset)
     with lock.take(path.with_suffix(".lock")):
-        if not _is_made_from(path, identity):
+        reused = _is_made_from(path, identity)
+        if not reused:
             sequence = _simulated(source, preset)
             sequence_file.save(replace(sequence, info={**sequence.info, IDENTITY: identity}), path)
-    return Reference(source.name, path, identity)
+    return Reference(source.name, path, identity, reused)
 
 
 def reference_identity(scene: Scene, preset: Preset) -> str:

@@ -41,14 +41,22 @@ class Job:
 
 @dataclass(frozen=True)
 class Failure:
-    """A job that raised, or one whose need failed."""
+    """A job that raised, or one whose need failed, which was skipped."""
 
     label: str
     message: str
+    skipped: bool = False
+
+
+@dataclass(frozen=True)
+class Reused:
+    """What a job's call returns in place of a value that was there already."""
+
+    value: Any
 
 
 def run_jobs(jobs: dict[tuple, Job], workers: int) -> dict[tuple, Any]:
-    """Run all jobs, the longest chains first; each result is the call's value or a `Failure`.
+    """Run all jobs, the longest chains first; each result is the call's value (that in a `Reused`) or a `Failure`.
 
     Each worker has one thread; one that dies takes only its job along. Ctrl-C ends the workers and passes on; what they
     had not finished is resumed next time. Raises `graphlib.CycleError` where jobs wait for each other in a circle.
@@ -70,8 +78,8 @@ def run_jobs(jobs: dict[tuple, Job], workers: int) -> dict[tuple, Any]:
                     job = jobs[key]
                     inputs = [results[need] for need in job.needs]
                     if any(isinstance(value, Failure) for value in inputs):
-                        results[key] = Failure(job.label, "not run: what it needs has failed")
-                        board.left_out()
+                        results[key] = Failure(job.label, "not run: what it needs has failed", True)
+                        board.ended(job.label, results[key])
                         sorter.done(key)
                     elif len(running) < workers:
                         running[pool.schedule(_work, (job, inputs))] = key
@@ -83,8 +91,9 @@ def run_jobs(jobs: dict[tuple, Job], workers: int) -> dict[tuple, Any]:
                 board.listen()
                 for future in done:
                     key = running.pop(future)
-                    results[key] = _result(future, jobs[key])
-                    board.ended(jobs[key].label, results[key])
+                    result = _result(future, jobs[key])
+                    results[key] = result.value if isinstance(result, Reused) else result
+                    board.ended(jobs[key].label, result)
                     sorter.done(key)
         pool.close()
     finally:
@@ -173,18 +182,16 @@ class _Board:
             if job in self.bars:
                 self.progress.update(self.bars[job], description=f"{job}: {label}", completed=done, total=total)
 
-    def left_out(self) -> None:
-        """A job will not be run."""
-        self.count += 1
-        self.progress.advance(self.all)
-
     def ended(self, label: str, result: Any) -> None:
         self.count += 1
         self.progress.advance(self.all)
         if label in self.bars:
             self.progress.remove_task(self.bars.pop(label))
         seconds = time.monotonic() - self.begun.pop(label, time.monotonic())
-        state = f"FAILED: {result.message}" if isinstance(result, Failure) else f"{seconds:.1f} s"
+        if isinstance(result, Failure):
+            state = f"skipped, {result.message}" if result.skipped else f"FAILED: {result.message}"
+        else:
+            state = "reused" if isinstance(result, Reused) else f"{seconds:.1f} s"
         self.console.print(
             f"[{self.count}/{self.total}] {label}: {state}", markup=False, highlight=False, soft_wrap=True
         )

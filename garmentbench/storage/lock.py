@@ -8,6 +8,8 @@ from filelock import AcquireReturnProxy, FileLock, Timeout
 
 from garmentbench.errors import UserError
 
+PATIENCE = 1.0  # seconds of silent waiting: most locks are held for an instant
+
 
 def take(file: Path) -> AcquireReturnProxy:
     """Lock a file, which is made if need be; the end of a `with` block releases it.
@@ -18,12 +20,13 @@ def take(file: Path) -> AcquireReturnProxy:
         file.parent.mkdir(parents=True, exist_ok=True)
         lock = FileLock(file)
         try:
-            taken = lock.acquire(blocking=False)
+            taken = lock.acquire(timeout=PATIENCE)
         except Timeout:
             holder = file.read_text().strip()
             if holder == str(os.getpid()):
                 raise RuntimeError(f"{file} is locked by this process already") from None
-            print(f"{file}: locked by process {holder or '?'}; waiting", file=sys.stderr, flush=True)
+            whom = f"process {holder}" if holder else "another process"
+            print(f"{file}: locked by {whom}; waiting", file=sys.stderr, flush=True)
             taken = lock.acquire()
         file.write_text(str(os.getpid()))
     except OSError as e:

@@ -39,6 +39,7 @@ class Run:
         identity: Plain JSON of all that decides the result: configuration, data hash, seed, code fingerprint.
         folder: Where checkpoints and results go.
         seed: `identity["seed"]`, or 0.
+        reused: It was finished already when it was opened.
         times: When it was started, wall seconds of all sessions together, and how many these were.
     """
 
@@ -47,6 +48,7 @@ class Run:
         self.id = run_id(kind, identity)
         self.folder = store.root / self.id
         self.seed = int(identity.get("seed", 0))
+        self.reused = False
         self._lock = lock
         self._log: TextIOWrapper | None = None
         self._stages: dict[str, Run] = {}
@@ -202,6 +204,7 @@ class RunStore:
         lock = take(folder / "lock")
         run = Run(self, kind, identity, lock)
         if run.finished:
+            run.reused = True
             run._lock = None  # noqa: SLF001
             lock.lock.release()
         else:

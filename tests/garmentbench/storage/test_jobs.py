@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from garmentbench.storage.jobs import Failure, Job, _urgency, run_jobs
+from garmentbench.errors import UserError
+from garmentbench.storage.jobs import Failure, Job, Reused, _urgency, run_jobs
 
 
 def add(*numbers: int) -> int:
@@ -107,3 +108,32 @@ def test_ctrl_c_ends_the_workers(tmp_path):
     time.sleep(0.5)
     with pytest.raises(ProcessLookupError):
         os.kill(int(mark.read_text()), 0)
+
+
+def find(value: int) -> Reused:
+    return Reused(value)
+
+
+def refuse() -> None:
+    raise UserError("no garment; give one")
+
+
+def leave() -> None:
+    sys.exit(0)
+
+
+def test_what_is_printed_tells_reused_failed_and_skipped_apart(capfd):
+    """A sequence that was there took "3.4 s"; skipped jobs were counted but not printed."""
+    jobs = [
+        Job(("there",), "there", find, arguments=(1,)),
+        Job(("more",), "more", add, needs=(("there",),), arguments=(2,)),
+        Job(("refused",), "refused", refuse),
+        Job(("left",), "left", leave),
+        Job(("after",), "after", add, needs=(("refused",),)),
+    ]
+    results = run_jobs({j.key: j for j in jobs}, workers=1)
+    assert results[("there",)] == 1 and results[("more",)] == 3 and results[("after",)].skipped
+    said = capfd.readouterr().err
+    assert "there: reused\n" in said and "refused: FAILED: no garment; give one\n" in said
+    assert "after: skipped, not run: what it needs has failed\n" in said and "[5/5]" in said
+    assert "left: FAILED: SystemExit: 0\n" in said

@@ -6,15 +6,18 @@ import signal
 import subprocess
 import sys
 import textwrap
+import threading
 import time
 from pathlib import Path
 
 import numpy as np
 import pytest
+from filelock import FileLock
 
 from garmentbench.cli import main
 from garmentbench.errors import UsageError, UserError
 from garmentbench.storage.compare import compare, list_rows
+from garmentbench.storage.lock import take
 from garmentbench.storage.runs import RunStore, run_id
 
 IDENTITY = {"config": {"width": 8, "rate": 1e-3}, "data": "abc", "code": "def", "seed": 3}
@@ -119,6 +122,25 @@ def test_the_second_process_waits_and_finds_the_run_finished(tmp_path):
         assert second.stderr.readline().startswith(f"{folder / 'lock'}: locked by process {os.getpid()}; waiting")
         run.finish({"l2": 2.0})
     assert second.communicate(timeout=20)[0].strip() == "True {'l2': 2.0}"
+
+
+def test_a_lock_held_for_an_instant_is_waited_for_in_silence(tmp_path, capsys):
+    """It said "locked by process ?; waiting"."""
+    lock = FileLock(tmp_path / "lock", thread_local=False)
+    lock.acquire()
+    (tmp_path / "lock").write_text("")
+    timer = threading.Timer(0.2, lock.release)
+    timer.start()
+    with take(tmp_path / "lock"):
+        assert capsys.readouterr().err == ""
+    timer.join()
+
+
+def test_a_reused_run_says_so(tmp_path):
+    store = RunStore(tmp_path)
+    with store.open("train", IDENTITY) as run:
+        run.finish({})
+    assert not run.reused and store.open("train", IDENTITY).reused
 
 
 def test_opening_a_run_twice_in_one_process_is_an_error_and_no_deadlock(tmp_path):
