@@ -1,9 +1,12 @@
 """The house keeps its floors: imports go down, nothing lies about at the root, and what is public says what it is."""
 
+import inspect
 import subprocess
 import sys
 import tomllib
 from pathlib import Path
+
+import garmentbench
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "garmentbench"
@@ -38,3 +41,16 @@ def test_a_floor_put_upside_down_is_found(tmp_path):
 def test_at_most_twelve_loose_files_at_the_root():
     loose = sorted(p.name for p in PACKAGE.iterdir() if p.is_file())
     assert len(loose) <= 12, loose
+
+
+def test_every_public_name_has_a_docstring():
+    for name in garmentbench.__all__:
+        thing = getattr(garmentbench, name)
+        if inspect.isclass(thing) or inspect.isroutine(thing):
+            assert thing.__doc__ and thing.__doc__.strip(), name
+            # The one that dataclasses write themselves lists the fields and says nothing of them.
+            assert not thing.__doc__.startswith(f"{name}("), name
+        if inspect.isclass(thing):
+            own = {n: m for n, m in vars(thing).items() if not n.startswith("_") and inspect.isroutine(m)}
+            own = {n: m for n, m in own.items() if getattr(m, "__name__", "") != "<lambda>"}  # a field's default
+            assert [n for n in own if not getattr(thing, n).__doc__] == [], name

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from garmentbench.motion.legs import unit
-from garmentbench.motion.score import FullBearing
+from garmentbench.motion.notation import FullBearing
 from garmentbench.scenes.bodies import BakedBody
 
 # How far each bone of the trunk has turned from the pelvis' attitude (0) to the chest's (1).

@@ -6,7 +6,7 @@ import numpy as np
 
 from garmentbench.motion.easing import smoothstep
 from garmentbench.motion.legs import rest_leg
-from garmentbench.motion.score import Bearing, Hips, Score
+from garmentbench.motion.notation import Bearing, Hips, Score
 from garmentbench.motion.steps import ALWAYS, GRAVITY, Plant
 from garmentbench.motion.variation import drift, hurry
 from garmentbench.scenes.bodies import BakedBody

@@ -11,7 +11,7 @@ from garmentbench.motion.bearing import bear_arm, bear_trunk
 from garmentbench.motion.easing import smooth_maximum, smoothstep
 from garmentbench.motion.foot import pitch_up
 from garmentbench.motion.legs import rest_leg, solve_leg
-from garmentbench.motion.score import NEUTRAL, FullBearing, Score, filled
+from garmentbench.motion.notation import NEUTRAL, FullBearing, Score, filled
 from garmentbench.motion.steps import FootPath, foot_path
 from garmentbench.motion.tread import tread
 from garmentbench.motion.walk import Walk

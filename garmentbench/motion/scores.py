@@ -9,7 +9,7 @@ from garmentbench.motion.dances.latin import LATIN
 from garmentbench.motion.dances.spin import SPIN
 from garmentbench.motion.jog import run_score
 from garmentbench.motion.jump import jump_score
-from garmentbench.motion.score import Score
+from garmentbench.motion.notation import Score
 from garmentbench.motion.still import still_score
 from garmentbench.scenes.bodies import BakedBody
 

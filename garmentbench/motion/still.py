@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from garmentbench.motion.score import Bearing, Hips, Score
+from garmentbench.motion.notation import Bearing, Hips, Score
 from garmentbench.motion.steps import ALWAYS, Plant
 from garmentbench.motion.variation import drift
 from garmentbench.scenes.bodies import BakedBody

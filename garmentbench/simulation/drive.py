@@ -13,7 +13,7 @@ from garmentbench.sequence import Body, Garment
 from garmentbench.simulation.assembly import Fabric, assemble
 from garmentbench.simulation.cloth import Solver
 from garmentbench.simulation.obstacle import Obstacle
-from garmentbench.simulation.stability import substeps
+from garmentbench.simulation.time_step import substeps
 from garmentbench.simulation.xpbd import XpbdSolver
 
 OK, UNSTABLE = "ok", "unstable"

@@ -18,7 +18,7 @@ from garmentbench.metrics.interpenetration import inside_vertices
 from garmentbench.metrics.l2 import frame_l2
 from garmentbench.sequence import Sequence
 from garmentbench.storage.atomic import written_whole
-from garmentbench.viewing.layout import TIMELINE, about, blueprint, side_by_side
+from garmentbench.viewing.recording_layout import TIMELINE, about, blueprint, side_by_side
 from garmentbench.viewing.render import CLOTH, SKIN, error_colours
 
 ROUNDING = 2.0**-13  # [m]

@@ -10,7 +10,7 @@ from sheets import FPS, grid, run
 from garmentbench.scenes.material import Material, Settings
 from garmentbench.sequence import OBJECT, Body
 from garmentbench.simulation.assembly import assemble
-from garmentbench.simulation.stability import squared_frequencies, substeps
+from garmentbench.simulation.time_step import squared_frequencies, substeps
 
 CLOTH = Material()
 

@@ -11,7 +11,7 @@ from garmentbench.importing.mesh_doctor.shape import POINT, SHORT, without_area
 from garmentbench.scenes.material import Material, Settings
 from garmentbench.sequence import Garment
 from garmentbench.simulation.assembly import assemble
-from garmentbench.simulation.stability import substeps
+from garmentbench.simulation.time_step import substeps
 
 FPS = 30.0
 UNEVEN = 2.5  # times as many substeps as an even mesh would take: then a few places cost all others
@@ -51,7 +51,7 @@ def cost(mesh: Mesh) -> Cost | None:
 
 
 def _bounds(stretch: np.ndarray, bending: np.ndarray, material: Material) -> np.ndarray:
-    """Stable time step [s] of each particle alone, by `simulation.stability`'s formula, of squared frequencies
+    """Stable time step [s] of each particle alone, by `simulation.time_step`'s formula, of squared frequencies
     [1/s^2]."""
     square = stretch + bending
     damping = material.stretch_damping * stretch + material.bend_damping * bending

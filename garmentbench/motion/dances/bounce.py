@@ -4,7 +4,7 @@ import numpy as np
 
 from garmentbench.motion.dances.dance import LOW, Dance, Phrase, Step
 from garmentbench.motion.easing import wave
-from garmentbench.motion.score import Bearing, Hips
+from garmentbench.motion.notation import Bearing, Hips
 
 
 def _bounces(beats: int, depth: float = 0.075) -> tuple[tuple[float, float], ...]:

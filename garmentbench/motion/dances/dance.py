@@ -7,7 +7,7 @@ import numpy as np
 
 from garmentbench.motion.easing import smoothstep
 from garmentbench.motion.legs import rest_leg
-from garmentbench.motion.score import NEUTRAL, Bearing, Hips, Score, filled, mirrored
+from garmentbench.motion.notation import NEUTRAL, Bearing, Hips, Score, filled, mirrored
 from garmentbench.motion.steps import ALWAYS, Plant
 from garmentbench.motion.variation import drift, hurry
 from garmentbench.scenes.bodies import BakedBody

@@ -4,7 +4,7 @@ import numpy as np
 
 from garmentbench.motion.dances.dance import LOW, Dance, Phrase, Step
 from garmentbench.motion.easing import between, wave
-from garmentbench.motion.score import Bearing, Hips
+from garmentbench.motion.notation import Bearing, Hips
 
 
 def _latin_arms(b: np.ndarray, space: float = 28.0) -> dict[str, np.ndarray | float]:

@@ -4,7 +4,7 @@ import numpy as np
 
 from garmentbench.motion.dances.dance import Dance, Phrase, Step
 from garmentbench.motion.easing import between, wave
-from garmentbench.motion.score import Bearing, Hips
+from garmentbench.motion.notation import Bearing, Hips
 
 _PIVOT = {"raised": 14.0, "pivot": 65.0, "strike": -8.0, "push": 25.0}
 # Round the standing foot, in front of it or behind it.

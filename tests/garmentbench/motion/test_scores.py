@@ -8,8 +8,8 @@ import pytest
 from scipy.spatial import cKDTree
 
 from garmentbench.motion import animate
+from garmentbench.motion.notation import Score
 from garmentbench.motion.performing import perform
-from garmentbench.motion.score import Score
 from garmentbench.motion.scores import SCORES
 from garmentbench.motion.timing import WARM_UP, score_timing
 from garmentbench.scenes.bodies import BakedBody, joint_positions, load_body, pose_exact

@@ -16,7 +16,7 @@ from garmentbench.paths import GARMENTS
 from garmentbench.scenes.garments import load_garment
 from garmentbench.scenes.material import Material, Settings
 from garmentbench.simulation.assembly import assemble
-from garmentbench.simulation.stability import substeps
+from garmentbench.simulation.time_step import substeps
 
 CLEAN = tube()
 INNER = at(10, 10)  # an inner vertex
