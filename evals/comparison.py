@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from garmentbench import pipeline
-from garmentbench.errors import UsageError
+from garmentbench.errors import UsageError, UserError
 from garmentbench.evals.experiment import Experiment, Work, about, failed_row, first_failure, named
 from garmentbench.evals.paper_numbers import paper_cell
 from garmentbench.evaluation.results import Row
@@ -14,10 +14,12 @@ from garmentbench.method import Method
 from garmentbench.methods import method_names
 from garmentbench.metrics import metric
 from garmentbench.reference import Source, make_reference, resolve_source
+from garmentbench.report.card import frame_count
 from garmentbench.report.cells import ABSENT, best, competing, number, status_cell, value_cell
 from garmentbench.report.lines import REFERENCE, Line, Value, label, order
 from garmentbench.report.table import Cell, Table
 from garmentbench.scenes.presets import Preset
+from garmentbench.scenes.scene import Scene
 from garmentbench.storage.jobs import Job, Reused
 from garmentbench.storage.runs import Run, RunStore
 
@@ -113,6 +115,7 @@ class Comparison(Experiment):
         train, tests = (tuple(resolve_source(name) for name in names) for names in (self.train, self.tests))
         choices = {entry: pipeline.choose_method(entry.method, entry.variant, preset) for entry in self.entries}
         self._require_names_of_their_own(choices)
+        self._require_frames(train)
         trials = [
             Trial(entry, choice, train, seed, test)
             for test in tests
@@ -138,6 +141,20 @@ class Comparison(Experiment):
                 raise UsageError(
                     f"{self.name}: {entry.method} calls itself '{name}', as another method does; rename it"
                 )
+
+    def _require_frames(self, train: tuple[Source, ...]) -> None:
+        """Raises `UsageError` where an entry's `train_frames`, by which it is called, is more than a sequence has.
+
+        What the preset leaves out doesn't count: there, all are trained on fewer.
+        """
+        for entry in self.entries:
+            for source in train if entry.train_frames != TRAIN_FRAMES else ():
+                frames = source.frames if isinstance(source, Scene) else frame_count(source.path)
+                if entry.train_frames > frames:
+                    raise UsageError(
+                        f"{self.name}: train_frames = {entry.train_frames}: {source.name} has {frames} frames; "
+                        "wanted at most that"
+                    )
 
     def trial_rows(self, trial: Trial, preset: Preset, results: dict[tuple, Any]) -> list[Row]:
         """The rows of one trial: what its run measured, or that it failed."""
@@ -236,7 +253,10 @@ def _train(*inputs: Any) -> str | Reused:
 
 def _evaluate(trained: str, _: Path, trial: Trial, preset: Preset) -> str | Reused:
     store = RunStore()
-    return _id(pipeline.evaluate(store.get(trained), trial.test, preset, store))
+    try:
+        return _id(pipeline.evaluate(store.get(trained), trial.test, preset, store))
+    except pipeline.OtherGarmentError as e:
+        raise UserError(f"{e}; wanted scenes of that garment in the experiment's train = [...]") from e
 
 
 def _id(run: Run) -> str | Reused:

@@ -13,28 +13,32 @@ In Python `EXPERIMENTS`, a sequence of `Experiment`, most often of `Comparison`.
 import importlib
 import sys
 import traceback
+from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 from typing import Annotated
 
 import msgspec
 
-from garmentbench.errors import FOREIGN, UsageError
+from garmentbench.errors import FOREIGN, UsageError, UserError
 from garmentbench.evals import EXPERIMENTS
 from garmentbench.evals.comparison import TRAIN_FRAMES, Comparison, Entry
 from garmentbench.evals.experiment import Experiment
+from garmentbench.storage.typed_toml import read_toml, typed
 
 ENDINGS = (".toml", ".py")
 Names = Annotated[list[str], msgspec.Meta(min_length=1)]
 
 
-class _Entry(msgspec.Struct, forbid_unknown_fields=True):
+@dataclass(frozen=True)
+class _Entry:
     method: str
     variant: str = "full"
     train_frames: Annotated[int, msgspec.Meta(gt=3)] = TRAIN_FRAMES
 
 
-class _File(msgspec.Struct, forbid_unknown_fields=True):
+@dataclass(frozen=True)
+class _File:
     train: Names
     test: Names
     entries: Annotated[list[str | _Entry], msgspec.Meta(min_length=1)]
@@ -68,9 +72,9 @@ def read_experiments(path: Path) -> list[Experiment]:
 
 def _from_toml(path: Path) -> list[Experiment]:
     try:
-        read = msgspec.toml.decode(path.read_bytes(), type=_File)
-    except (msgspec.DecodeError, UnicodeDecodeError) as e:  # a wrong type or name too
-        raise UsageError(f"{path}: {e}; wanted train, test and entries, as in `garmentbench evals --help`") from e
+        read = typed(read_toml(path), _File, path)
+    except UserError as e:
+        raise UsageError(f"{e}; `garmentbench evals --help` has an example") from e
     entries = [Entry(e) if isinstance(e, str) else Entry(e.method, e.variant, e.train_frames) for e in read.entries]
     name = path.stem.replace("-", "_")
     return [

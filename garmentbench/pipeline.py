@@ -37,6 +37,10 @@ EVALUATION = ("garmentbench.evaluation.rollout", "garmentbench.evaluation.score"
 __all__ = ["MethodChoice", "choose_method", "evaluate", "keep", "require_device", "train", "variants"]
 
 
+class OtherGarmentError(UserError):
+    """A method would have to predict another garment than the one it was trained on."""
+
+
 @dataclass(frozen=True)
 class MethodChoice:
     """A method to be trained.
@@ -227,7 +231,7 @@ def evaluate(trained: Run, source: Source, preset: Preset, store: RunStore) -> R
         says so.
 
     Raises:
-        UserError: The training is not finished, or it was done on another garment.
+        UserError: The training is not finished, or (`OtherGarmentError`) it was done on another garment.
     """
     from garmentbench.evaluation.excerpt import write_excerpt
     from garmentbench.evaluation.results import TRAINED_ON_IT
@@ -321,13 +325,13 @@ def garment_mesh(sequence: "Recording") -> dict[str, Any]:
 
 
 def _require_garment(trained: Run, garment: dict[str, Any], scene: str, sequence: "Recording") -> None:
-    """Raises `UserError` where a method would have to predict another garment than the one it was trained on."""
+    """Raises `OtherGarmentError` where a method would have to predict another garment than it was trained on."""
     found = garment_mesh(sequence)
     if (found["vertices"], found["faces"]) != (garment["vertices"], garment["faces"]):
-        raise UserError(
+        raise OtherGarmentError(
             f"{trained.identity['method']} was trained on {', '.join(trained.identity['train_scenes'])} "
             f"({garment['name']}, {garment['vertices']} vertices), but {scene} has another garment "
-            f"({found['name']}, {found['vertices']} vertices); give --train-scene a scene of that garment"
+            f"({found['name']}, {found['vertices']} vertices)"
         )
 
 

@@ -139,7 +139,7 @@ class Evaluate:
     def run(self) -> None:
         from garmentbench.evaluation.results import warnings
         from garmentbench.evaluation.rollout import FAILED, OK
-        from garmentbench.pipeline import default_training_scene, evaluate, load_method
+        from garmentbench.pipeline import OtherGarmentError, default_training_scene, evaluate, load_method
         from garmentbench.reference import resolve_source
         from garmentbench.storage.runs import RunStore
 
@@ -150,7 +150,10 @@ class Evaluate:
         else:
             training = training or [default_training_scene(load_method(self.method), source)]
             trained = _trained(self, size, training)
-        run = evaluate(trained, source, size, RunStore())
+        try:
+            run = evaluate(trained, source, size, RunStore())
+        except OtherGarmentError as e:
+            raise UserError(f"{e}; give --train-scene a scene of that garment") from e
         columns = ("metric", "horizon", "value", "uncertainty", "unit", "reference_value", "status")
         print_table([{k: row.get(k) for k in columns} for row in run.results["rows"]])
         for warning in warnings(run.results["rows"]):

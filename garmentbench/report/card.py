@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from garmentbench import sequence_file
+from garmentbench.errors import UserError
 from garmentbench.metrics import metric
 from garmentbench.sequence import Sequence
 from garmentbench.sequence_file.layout import KIND, REMAKE, SCHEMA
@@ -141,11 +142,17 @@ def card_of(sequence: Sequence) -> Card:
     )
 
 
+def frame_count(path: Path) -> int:
+    """How many frames a sequence file has. Raises `UserError` for a file that is no sequence."""
+    with hdf5.opened(path, KIND, SCHEMA, REMAKE) as file:
+        frames = hdf5.dataset(file, "garment/frames")
+        if frames is None:
+            raise UserError(f"{path}: lacks garment/frames; {REMAKE}")
+        return int(frames.shape[0])
+
+
 def read_card(path: Path) -> Card:
     """The card of a sequence file, of which one frame is read. Raises `UserError` as `sequence_file.load`."""
     card = card_of(sequence_file.load(path, frames=1))
-    with hdf5.opened(path, KIND, SCHEMA, REMAKE) as file:
-        frames = hdf5.dataset(file, "garment/frames")
-        assert frames is not None  # `load` has read some
-        numbers = card.numbers | {"frames": float(frames.shape[0])}
+    numbers = card.numbers | {"frames": float(frame_count(path))}
     return replace(card, scene=card.scene or path.stem, numbers=numbers)

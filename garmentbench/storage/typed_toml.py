@@ -67,8 +67,8 @@ def _check(value: Any, kind: Any, file: str, at: str) -> None:
     if isinstance(value, float) and not math.isfinite(value):
         raise UserError(f"{file}: {at} is {value}; wanted a finite number")
     if isinstance(value, list):
-        for item in value:
-            _check(item, None, file, at)
+        for i, item in enumerate(value):
+            _check(item, _item_kind(kind), file, f"{at}[{i}]")
     if not isinstance(value, dict):
         return
     inner = _dataclass(kind)
@@ -84,6 +84,13 @@ def _check(value: Any, kind: Any, file: str, at: str) -> None:
             _check(item, hints[key], file, where)
         elif get_origin(kind) is dict:
             _converted(item, get_args(kind)[1], file, where)
+
+
+def _item_kind(kind: Any) -> Any:
+    """What a list's items are to be, where a kind is a list or may be one; None elsewhere."""
+    if get_origin(kind) is list:
+        return get_args(kind)[0]
+    return next((found for part in get_args(kind) if (found := _item_kind(part)) is not None), None)
 
 
 def _dataclass(kind: Any) -> Any:
@@ -107,7 +114,7 @@ def _complaint(message: str, value: Any, kind: Any, at: str) -> str:
     for step in re.findall(r"[\w-]+", path):
         value = value[int(step) if isinstance(value, list) else step]
         holder = _dataclass(kind)
-        kind = get_type_hints(holder)[step] if holder else (get_args(kind) or (None,))[-1]
+        kind = get_type_hints(holder)[step] if holder else _item_kind(kind) or (get_args(kind) or (None,))[-1]
     key = ".".join(filter(None, (at, path)))
     if message.startswith("Object missing"):
         holder = _dataclass(kind)
@@ -140,4 +147,4 @@ def _wanted(message: str, kind: Any) -> str:
     kinds = [_KINDS.get(name, name) for name in expected[1].split(" | ") if name != "null"]
     limit = expected[2].replace(">=", "of at least").replace("<=", "of at most").replace(" > ", " above ")
     kinds = ["a text in quotes"] * (_sole_text(kind) is not None) + kinds
-    return " or ".join(kinds) + re.sub(r"\.0$", "", limit)
+    return " or ".join(dict.fromkeys(kinds)) + re.sub(r"\.0$", "", limit)

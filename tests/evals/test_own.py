@@ -7,6 +7,7 @@ import pytest
 
 from garmentbench import sequence_file
 from garmentbench.cli import main
+from garmentbench.errors import UsageError
 from garmentbench.evals.own import read_experiments
 from garmentbench.evals.run import run_file
 from garmentbench.evaluation.toy import tiny_sequence
@@ -32,6 +33,11 @@ train = ["sheet-stick-a"]  # or several
 test = ["sheet-stick-b"]
 entries = ["skinning", "still_water:StillWater"]
 """
+
+
+def entry(more: str) -> str:
+    """A file whose first entry says more than its method."""
+    return TOML.replace('"skinning"', "{method = 'skinning', " + more + "}")
 
 
 @pytest.fixture
@@ -99,10 +105,22 @@ def test_several_scenes_and_finished_files_serve_too(folder):
 @pytest.mark.parametrize(
     ("name", "text", "complaint"),
     [
-        ("a.toml", "train = 3", "a.toml: Expected `array`, got `int` - at `$.train`"),
+        ("a.toml", "train = 3", "a.toml: train is 3; wanted a list"),
+        ("a.toml", "train = ['sheet-stick-a']", "a.toml: test, entries are missing"),
+        ("a.toml", TOML + "sedes = 3", "a.toml: unknown key 'sedes': did you mean 'seeds'?"),
+        ("a.toml", TOML + "seeds = 0", "a.toml: seeds is 0; wanted a whole number of at least 1"),
+        ("a.toml", TOML + "seeds = '3'", "a.toml: seeds is '3'; wanted a whole number"),
+        ("a.toml", TOML.replace('"skinning"', "3"), "a.toml: entries[0] is 3; wanted a text in quotes or a table"),
+        ("a.toml", entry("variat = 'full'"), "unknown key of [entries[0]] 'variat': did you mean 'variant'?"),
+        ("a.toml", entry("train_frames = 'all'"), "a.toml: entries[0].train_frames is 'all'; wanted a whole number"),
+        (
+            "a.toml",
+            entry("train_frames = 100000"),
+            "train_frames = 100000: sheet-stick-a has 300 frames; wanted at most",
+        ),
         ("a.toml", "train = [", "a.toml: "),
-        ("a.toml", TOML + "colour = 1", "a.toml: Object contains unknown field `colour`"),
-        ("a.toml", TOML.replace("test", "tests"), "unknown field `tests`"),
+        ("a.toml", TOML + "colour = 1", "a.toml: unknown key 'colour'"),
+        ("a.toml", TOML.replace("test", "tests"), "unknown key 'tests': did you mean 'test'?"),
         ("a.toml", TOML.replace("sheet-stick-b", "sheet-stik-b"), "did you mean 'sheet-stick-b'?"),
         ("a.toml", TOML.replace("skinning", "skining"), "did you mean 'skinning'?"),
         ("a.toml", TOML.replace("still_water:S", "stil_water:S"), "no module named 'stil_water'"),
@@ -135,3 +153,26 @@ def test_one_file_and_nothing_beside_it(folder, capsys):
     (folder / "ponds.toml").write_text(TOML)
     assert main(["evals", "baselines", str(folder / "ponds.toml"), "--preset", "smoke"]) == 2
     assert "one file alone" in capsys.readouterr().err
+
+
+def test_a_training_on_more_frames_than_a_file_has_is_refused(folder):
+    """The label said "train 100000" of a training on 40."""
+    sequence_file.save(tiny_sequence(20), folder / "own.h5")
+    (folder / "f.toml").write_text(entry("train_frames = 21").replace('["sheet-stick-a"]', '["own.h5"]'))
+    (experiment,) = read_experiments(folder / "f.toml")
+    with pytest.raises(UsageError, match="train_frames = 21: own has 20 frames; wanted at most that"):
+        experiment.work(preset("smoke"), 1)
+
+
+def test_another_garment_is_refused_in_the_words_of_the_file(folder, capsys):
+    """It said --train-scene, which `evals` does not have."""
+    one = tiny_sequence(20)
+    garment = replace(one.template.garment, name="cut_tube", faces=one.template.garment.faces[:-1])
+    for name, sequence in {"one": one, "other": replace(one, template=replace(one.template, garment=garment))}.items():
+        sequence_file.save(sequence, folder / f"{name}.h5")
+    (folder / "g.toml").write_text(
+        'train = ["one.h5"]\ntest = ["other.h5"]\nentries = [{method = "linear_subspace", train_frames = 20}]\n'
+    )
+    assert main(["evals", str(folder / "g.toml"), "--preset", "smoke"]) == 1
+    said = capsys.readouterr().err
+    assert "other has another garment" in said and "train = [...]" in said and "--train-scene" not in said

@@ -70,7 +70,7 @@ WRONG = [
     (changed("motion", '{name = "fast", translate = 3}'), "motion.translate is 3; wanted a list"),
     (changed("motion", '{name = "fast", translate = [0, 1]}'), "motion.translate is [0, 1]; wanted a list of length 3"),
     (changed("motion", '{name = "fast", translate = [0, 1, "up"]}'), "motion.translate[2] is 'up'; wanted a number"),
-    (changed("motion", '{name = "fast", translate = [0, 1, nan]}'), "motion.translate is nan; wanted a finite number"),
+    (changed("motion", '{name = "fast", translate = [0, 1, nan]}'), "translate[2] is nan; wanted a finite number"),
     (changed("motion", '{name = "fast", speed = "fast"}'), "motion.speed is 'fast'; wanted a number"),
     (changed("motion", '{name = "fast", speed = -1}'), "motion.speed is -1; wanted a number above 0"),
     (changed("motion", '{name = "fast", freeze_after = -1}'), "motion.freeze_after is -1; wanted a whole number of at"),
