@@ -75,7 +75,8 @@ def test_a_killed_run_is_interrupted_then_resumes(tmp_path):
         """
         for step in range(1, 1000):
             run.log(step, loss=1 / step)
-            (run.folder / "checkpoint").write_text("5")
+            (run.folder / "checkpoint.new").write_text("5")
+            (run.folder / "checkpoint.new").replace(run.folder / "checkpoint")  # as checkpoints must be
             time.sleep(0.02)
         """,
     )
