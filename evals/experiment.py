@@ -1,5 +1,6 @@
 """What an experiment is: something to compute by its name, and the part of the report that shows it."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
@@ -32,7 +33,7 @@ class Work:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Experiment:
+class Experiment(ABC):
     """An experiment.
 
     Attributes:
@@ -49,16 +50,16 @@ class Experiment:
     on_request: bool = False
     seeds: int = 1
 
-    def require(self) -> None:
+    def require(self) -> None:  # noqa: B027 - most need nothing
         """Raises `UserError` where something that it needs is not installed."""
 
+    @abstractmethod
     def work(self, preset: Preset, seeds: int) -> Work:
         """Its jobs and rows; `seeds` trainings of a method that has chance in it. Raises `UserError`."""
-        raise NotImplementedError
 
+    @abstractmethod
     def sections(self, results: "Results") -> "list[Section]":
         """Its part of the report, of `results` alone."""
-        raise NotImplementedError
 
 
 def finished_rows(experiment: Experiment, preset: Preset) -> list[Row]:

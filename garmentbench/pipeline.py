@@ -94,7 +94,7 @@ def choose_method(method: str | type[Method], variant: str, preset: Preset) -> M
         preset: Its network size chooses the configuration, where the method's module has a `config_for`.
 
     Raises:
-        UsageError: The method or the variant is unknown.
+        UsageError: The method or the variant is unknown, or its configuration can't be made.
     """
     method = load_method(method) if isinstance(method, str) else method
     if method.__module__ == "__main__":
@@ -106,8 +106,13 @@ def choose_method(method: str | type[Method], variant: str, preset: Preset) -> M
     if variant not in known:
         raise unknown_name(f"variant of {method.name}", variant, list(known))
     module = sys.modules[method.__module__]
-    full = module.config_for(preset.model) if hasattr(module, "config_for") else method.Config()
-    return MethodChoice(method, method.name, variant, known[variant](full))
+    try:
+        full = module.config_for(preset.model) if hasattr(module, "config_for") else method.Config()
+        return MethodChoice(method, method.name, variant, known[variant](full))
+    except UserError:
+        raise
+    except FOREIGN as e:
+        raise UsageError(f"{method.name}: its configuration '{variant}' raised {described(e, method)}; mend it") from e
 
 
 def default_training_scene(method: type[Method], source: Source) -> Source:

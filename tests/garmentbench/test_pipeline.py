@@ -187,3 +187,18 @@ def test_a_test_on_a_training_scene_is_noted(files, capsys, method, noted):
     run = next(r for r in RunStore().list({"kind": "evaluate"}) if r.identity["train_scenes"] == ["same", "two"])
     notes = {row["metric"]: row["note"] for row in run.results["rows"]}
     assert ("trained on this scene" in notes["rollout_l2"]) == noted and "trained" not in notes["ms_per_frame"]
+
+
+def test_a_configuration_that_can_not_be_made_is_one_line(tmp_path, monkeypatch, capsys):
+    (tmp_path / "odd_config.py").write_text(
+        "from dataclasses import dataclass\n"
+        "from foreign_methods import Good\n\n\n"
+        "@dataclass(frozen=True)\nclass Config:\n    width: int = 3\n\n"
+        "    def __post_init__(self):\n        raise ValueError('width is odd')\n\n\n"
+        "class Odd(Good):\n    name, Config = 'odd', Config\n"
+    )
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    code, _, lines = typed(capsys, "train", "odd_config:Odd", "--scene", "sheet-stick-a", *SMALL)
+    assert code == 2 and len(lines) == 1, lines
+    assert "odd: its configuration 'full' raised ValueError: width is odd (odd_config.py:10)" in lines[0]
