@@ -57,7 +57,7 @@ class Entry:
     Attributes:
         method: A method's name, "module:Class", or the class itself.
         variant: "full", or one of the method's `VARIANTS`.
-        train_frames: It is trained on so many first frames of each training scene.
+        train_frames: How many frames of each training scene it is trained on, from the first on.
     """
 
     method: str | type[Method]

@@ -24,7 +24,7 @@ CHANGES = {
     "start_1cm": "start pushed by 1 cm",
     "mesh_fine": "mesh twice as fine",
 }
-ABOVE_ROUNDING = 2.0  # differences in the step below so many times what rounding changes say nothing about it
+ABOVE_ROUNDING = 2.0  # differences in the step below this many times what rounding changes say nothing about it
 PART_OF_ERROR = 1 / 3  # the uncertainty may be so much of the full model's error
 
 

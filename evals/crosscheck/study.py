@@ -106,7 +106,7 @@ def _compare(run: Run, whole: Scene, preset: Preset, variant: Variant) -> None:
 
 
 def _other(run: Run, scene: Scene, preset: Preset, times: int) -> tuple[Run, dict]:
-    """The scene in the other engine with so many times its substeps, and the match of its cloth; shared by comparisons.
+    """The scene in the other engine, with `times` its substeps, and the match of its cloth; shared by comparisons.
 
     It goes from the same start through the same warm-up. Of two layers it is the outer one; the one beneath is the
     reference's.

@@ -14,8 +14,8 @@ from garmentbench.scenes.presets import Preset
 from garmentbench.scenes.scene import Scene
 
 SEEDS = 64  # on the whole body
-EVERY = 3  # one pose in so many frames ...
-FRAMES = 495  # ... of the first so many, the paper's longest training
+EVERY = 3  # frames from one pose to the next ...
+FRAMES = 495  # ... up to this one, the paper's longest training
 PERPLEXITY = 30.0
 
 

@@ -11,7 +11,7 @@ from tyro.conf import Positional
 class ImportAuthors:
     """Make a sequence of the data that the authors of the motion-guided model released.
 
-    What the files don't say (unit, axes, frame rate) is told by their body, or given, and said back.
+    What the files don't say (unit, axes, frame rate) follows from their body, or is given; what was assumed is printed.
 
     Example: garmentbench import-authors data_walk/walk_75 --case unseen_test/rumba_swing --out rumba.h5
 
@@ -24,7 +24,7 @@ class ImportAuthors:
         fps: Frames a second, which no file of theirs says.
         units: m, cm, mm, or auto: the one in which their body is as tall as a person.
         axes: Which of their axes are ours (left, back, up), e.g. x,-z,y; or auto: told by their body.
-        frames: Read the first so many frames.
+        frames: How many frames to read, from the first on.
     """
 
     folder: Positional[Path]

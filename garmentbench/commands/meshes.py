@@ -33,7 +33,7 @@ class Import:
         units: m, cm, mm, in or ft.
         up: The axis that points up: x, y, z, or the other way round, e.g. --up=-y.
         fps: Frames a second.
-        frames: Only the first so many, of those that garment and body both have.
+        frames: How many frames, from the first that garment and body both have.
         same_start: Garment and body begin at the same moment, whatever times or frame numbers their files state.
         other_template: The template is meant to differ from the frames, as a flat pattern does.
         split: train or test.
@@ -104,7 +104,7 @@ class Export:
         out: Folder to write to.
         preset: Size of a scene: smoke, laptop or paper.
         sequence: The sequence file of a run on an imported one.
-        frames: Only the first so many.
+        frames: How many frames, from the first on.
     """
 
     source: Positional[str]

@@ -75,7 +75,7 @@ class Train:
         preset: Size: smoke, laptop or paper.
         mesh: Another size of garment and body than the preset's.
         model: Another size of the method's network than the preset's.
-        frames: Train on the first so many frames of each scene.
+        frames: How many frames of each scene to train on, from the first on.
         variant: "full", or one of the method's variants (`garmentbench methods`).
         seed: Random seed.
         device: auto, cpu or cuda.
@@ -119,7 +119,7 @@ class Evaluate:
         preset: Size: smoke, laptop or paper.
         mesh: Another size of garment and body than the preset's.
         model: Another size of the method's network than the preset's.
-        frames: Train on the first so many frames of each scene.
+        frames: How many frames of each scene to train on, from the first on.
         variant: "full", or one of the method's variants (`garmentbench methods`).
         seed: Random seed of the training.
         device: auto, cpu or cuda.

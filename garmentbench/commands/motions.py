@@ -26,7 +26,7 @@ class ImportMotion:
         recording_fps: Frames a second of the recording, where its file says none, or a wrong one.
         start: From this time of the recording on [s].
         stop: Up to this time [s]; by default its end.
-        arm_space: Turn hanging arms outward by so many degrees.
+        arm_space: Turn hanging arms outward by this angle [degrees].
         map: Joints by name, theirs=ours, e.g. Hips=pelvis, or a TOML file of such lines.
         smplx_models: Folder of SMPL or SMPL-X model files: write the recording's own body as moving vertices instead.
     """

@@ -38,8 +38,8 @@ class Skin:
 
         Args:
             template: Garment and body.
-            seeds: At most so many seed points; or the body vertices to take, shape (N,), as another body of the same
-                mesh has them in its `seeds.vertices`.
+            seeds: The largest number of seed points; or the body vertices to take, shape (N,), as another body of the
+                same mesh has them in its `seeds.vertices`.
             upright_objects: A rigid object is taken for its upright root alone.
 
         Weights are a softmax over the seeds of -d^2 / (2 radius^2), d between rest garment and rest seed (the blend

@@ -40,7 +40,7 @@ class Wanted:
         split: "train" or "test".
         garment, body: Names; by default the meshes' own.
         kind: The body is a "human", an "object", or the "garment" beneath.
-        frames: Only the first so many; None for all.
+        frames: How many frames, from the first on; None for all.
         same_start: Garment and body begin at the same moment, whatever their times say.
         other_template: Templates are meant to differ from the frames, as a flat pattern does.
         make_uv: Make a new UV map with xatlas.

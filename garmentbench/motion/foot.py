@@ -15,7 +15,7 @@ FLAT = 0.25  # a phase at which it is flat
 HEEL_OFF = 0.34
 CLEARANCE = 0.03  # lowest point of the foot in mid-swing [m]
 _GRID = 720  # phases at which the rolling is worked out
-_BLUR = 6.0  # the contact jumps from vertex to vertex: smoothed over so many grid phases (a quarter of a frame)
+_BLUR = 6.0  # the contact jumps from vertex to vertex: smoothed over this many grid phases (a quarter of a frame)
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ _OFF, _ON = -0.047, -0.082  # the pelvis against rest when a foot leaves the gro
 
 
 def run_score(baked: BakedBody, seconds: float) -> Score:
-    """A run forward for at least so many seconds."""
+    """A run forward that lasts at least the given seconds."""
     scale = rest_leg(baked, "L").reach / _LEG
     times = np.arange(0.0, seconds + 8.0, 0.01)
     lands = np.interp(0.5 * np.arange(int(2 * _cycles(times[-1]))), _cycles(times), times)

@@ -38,7 +38,7 @@ class _Jump:
 
 
 def jump_score(baked: BakedBody, seconds: float) -> Score:
-    """Jumps for at least so many seconds."""
+    """Jumps that last at least the given seconds."""
     scale = rest_leg(baked, "L").reach / _LEG
     jumps = _jumps(seconds, scale)
     height = [(0.0, (0.0, 0.0, 0.0))]

@@ -13,7 +13,7 @@ from garmentbench.motion.notation import Score
 from garmentbench.motion.still import still_score
 from garmentbench.scenes.bodies import BakedBody
 
-# What writes a motion's score: for a body, to last at least so many seconds.
+# What writes a motion's score: for a body, to last at least a number of seconds.
 SCORES: dict[str, Callable[[BakedBody, float], Score]] = {
     "dance-latin": partial(dance_score, LATIN),
     "dance-spin": partial(dance_score, SPIN),

@@ -14,8 +14,8 @@ _SETTLE = 0.14  # seconds in which a foot that has landed comes down flat, at mo
 _PEEL = 0.30  # ... in which it comes off the floor, heel first, at most
 _AFTER = 0.04  # ... for which it goes on rolling after it has left
 _NUDGE = 1e-3  # ... over which a path's speed is measured
-_BLUR = 1.5  # a foot's contact jumps from vertex to vertex: its height is smoothed over so many times
-_WINDOW = 9  # ... and raised by what it then lacks within so many times
+_BLUR = 1.5  # a foot's contact jumps from vertex to vertex: its height is smoothed over this many times
+_WINDOW = 9  # ... and raised by what it then lacks within this many times
 GRAVITY = 9.81  # [m/s^2]
 ALWAYS = 1e6  # ... from the first to the last
 

@@ -10,7 +10,7 @@ from garmentbench.motion.foot import sole
 from garmentbench.scenes.bodies import BakedBody
 
 _PITCHES = np.radians(np.arange(-85.0, 45.25, 0.25))
-_BLUR = 8.0  # the contact jumps from vertex to vertex: smoothed over so many steps of pitch (2 degrees)
+_BLUR = 8.0  # the contact jumps from vertex to vertex: smoothed over this many steps of pitch (2 degrees)
 _CHUNK = 512  # pitches at which the sole is worked out at once
 
 

@@ -41,7 +41,7 @@ def vary(gait: Gait, phase: np.ndarray) -> Varied:
 
 
 def hurry(cycles: np.ndarray) -> np.ndarray:
-    """How far ahead of an even walk a person is after so many cycles [cycles]: the pace varies by about 2 %.
+    """How far ahead of an even walk a person is after a number of cycles [cycles]: the pace varies by about 2 %.
 
     0 at the start, and so is its derivative, so that it takes up where a warm-up ends.
     """

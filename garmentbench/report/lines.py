@@ -52,7 +52,7 @@ class Value:
 
 @dataclass(frozen=True)
 class Line:
-    """One line of a table: a method's variant, trained on so many frames of some scenes, on a scene.
+    """One line of a table: a method's variant with its training scenes and their number of frames, on a test scene.
 
     Attributes:
         label: Its name for people, e.g. "motion-guided, fixed weights".

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import anny
 
 BASE = "base"
-_NEAR = 8  # a point on the surface is searched for on the faces round so many nearest vertices
+_NEAR = 8  # a point on the surface is searched for on the faces around this many nearest vertices
 # Our joint -> (parent, the Anny bones it takes over; the first one's head is the joint). "*" stands for L and R.
 SKELETON = {
     "pelvis": (None, ["root", "pelvis.L", "pelvis.R"]),

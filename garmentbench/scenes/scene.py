@@ -18,8 +18,8 @@ class Motion:
 
     Attributes:
         name: A motion preset, e.g. "armspace-90", "catwalk", or "stick-a" for the stick.
-        speed: Played so many times faster (1: as it is).
-        freeze_after: The body stands still after so many frames; None: never.
+        speed: Playback speed (1: as recorded).
+        freeze_after: The frame from which the body stands still; None: never.
         translate: The whole scene is moved by this [m].
         turn: ... after a turn about the vertical axis [degrees].
         file: Of the motion "clip": the clip's file (.npz, made by `garmentbench import-motion`); in the scene's file

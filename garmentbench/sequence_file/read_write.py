@@ -49,7 +49,7 @@ def save(sequence: Sequence, path: Path) -> None:
 
 
 def load(path: Path, frames: int | None = None) -> Sequence:
-    """Read a sequence, or only its first so many `frames` (the content hash is compared only when all is read).
+    """Read a sequence, or only the first `frames` of it (the content hash is compared only when all is read).
 
     Raises `UserError`, one line, for a file that is missing, foreign, damaged, of another schema, or that holds what
     can't be used. Warns of an imported garment that begins inside the body. `garmentbench.sequence_file.examine` tells

@@ -83,7 +83,7 @@ def drive(
         fps: Frames a second.
         material, settings: As resolved for the scene.
         device, serial: See `Solver`.
-        budget: Use XPBD with so many substeps a frame instead of the reference solver with as many as it needs.
+        budget: Use XPBD with this many substeps a frame instead of the reference solver with as many as it needs.
         inner: The garment beneath as a body, and its positions [m], shape (T, B', 3), float64.
         step: Called after each frame.
     """

@@ -22,7 +22,7 @@ from garmentbench.sequence import Sequence, Template
 
 @dataclass(frozen=True)
 class Config:
-    """seeds: At most so many seed points. codes, body_codes: Sizes of the garment's and the body's subspace."""
+    """seeds: The largest number of seed points. codes, body_codes: Sizes of the garment's and the body's subspace."""
 
     seeds: int = 200
     codes: int = 64

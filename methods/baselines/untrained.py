@@ -12,7 +12,7 @@ from garmentbench.sequence import Sequence
 
 @dataclass(frozen=True)
 class Config:
-    """seeds: At most so many seed points carry the garment."""
+    """seeds: The largest number of seed points that carry the garment."""
 
     seeds: int = 300
 

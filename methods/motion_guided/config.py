@@ -113,9 +113,9 @@ class Stage1:
     """Ours: how random garments are posed, on which E^Sta's linear path is solved, and as many of which as of the
     recording's join each batch. Used with `linear_paths` only."""
     code_weight: float = 0.01
-    """Of the L1 error of their codes."""
+    """Weight of the L1 error of their codes."""
     random_every: int = 1
-    """Ours: decode the random sample, and ask SDF_0, only every so many steps, at so many times the weight."""
+    """Ours: decode the random sample, and ask SDF_0, only once in this many steps, at as many times the weight."""
 
 
 @dataclass(frozen=True)
@@ -131,7 +131,7 @@ class Stage2:
     virtual_sample: bool = True
     """The constraint of E_t = 0 (figure 10)."""
     pair_weight: float = 1.0
-    """Of each of the two terms of L_geo and L_Z (code: 0.5)."""
+    """Weight of each of the two terms of L_geo and L_Z (code: 0.5)."""
     code_weight: float = 1.0
     """Of L_Z. Ours: 0.003 beside linear paths, where most components of a code are faint."""
     latent_weight: float = 1e-3
@@ -156,9 +156,9 @@ class Collision:
     threshold: float = 1e-4
     """Its eps [m]; the paper does not give it (code: 5e-6, of the mean)."""
     position_weight: float = 1.0
-    """Of the L1 to the network's prediction, a mean (code: 10)."""
+    """Weight of the L1 to the network's prediction, a mean (code: 10)."""
     laplacian_weight: float = 1.0
-    """Of its Laplacian's L1, a mean (code: 1e4)."""
+    """Weight of its Laplacian's L1, a mean (code: 1e4)."""
     collision_weight: float = 100.0
     """lambda_3, of the depths' sum (code: 1e4, of their mean)."""
     learning_rate: float = 1e-3
@@ -166,7 +166,7 @@ class Collision:
     betas: tuple[float, float] = (0.9, 0.999)
     """Of Adam (code: 0, 0.9)."""
     steps: int = 51
-    """At most so many steps a frame (code); it ends early when nothing penetrates any more."""
+    """The largest number of steps a frame (code); it ends early when nothing penetrates any more."""
     carry: bool = True
     """The map and Adam's state go on to the next frame (code). Ours: False, since a stage that ends as soon as nothing
     penetrates would keep what one frame needed for ever (0.71 against 0.61 cm in a trial)."""

@@ -135,7 +135,7 @@ def merge_points(mesh: Mesh) -> Done:
 
 
 def drop_doubles(mesh: Mesh) -> Done:
-    """Of faces with the same corners only the first."""
+    """Keep only the first of faces with the same corners."""
     again = doubles(mesh.corners)
     if not len(again):
         return mesh, []

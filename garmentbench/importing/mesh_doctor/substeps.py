@@ -19,7 +19,7 @@ UNEVEN = 2.5  # times as many substeps as an even mesh would take: then a few pl
 
 @dataclass(frozen=True)
 class Cost:
-    """Of one frame with the default material.
+    """What one frame costs with the default material.
 
     Attributes:
         substeps: Substeps a frame at 30 frames a second.

@@ -38,7 +38,7 @@ def select(
         source: A scene's name, a sequence file (.h5), or the id (or its beginning) of an evaluation's run.
         preset: Size of the scene.
         recorded: The sequence that a run was evaluated on, where that was a file and no scene.
-        frames: Only the first so many.
+        frames: How many frames, from the first on.
 
     Raises:
         UserError: There is no such thing, or it is damaged.

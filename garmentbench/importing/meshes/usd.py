@@ -153,7 +153,7 @@ def _mesh(path: Path, stage: "Usd.Stage", mesh: "UsdGeom.Mesh", baked: set[str],
 
 
 def _time_codes(mesh: "UsdGeom.Mesh") -> list:
-    """Of the points and of all transforms above them; the default time where nothing moves."""
+    """Time samples of the points and of all transforms above them; the default time where nothing moves."""
     from pxr import Usd, UsdGeom
 
     codes = set(mesh.GetPointsAttr().GetTimeSamples())

@@ -86,7 +86,7 @@ def _finite(path: Path, points: np.ndarray) -> np.ndarray:
 
 
 def read_vectors(path: Path) -> np.ndarray:
-    """A count, then so many times x y z; shape (V, 3)."""
+    """A count V, then V times x y z; shape (V, 3)."""
     with _said_of(path, "a count and so many vectors"):
         numbers = _numbers(path)
         return _table(numbers[1:], _count(numbers[0]), 3)
@@ -95,7 +95,7 @@ def read_vectors(path: Path) -> np.ndarray:
 def read_samples(path: Path, vertices: int) -> SurfaceSamples:
     """`# N`, then `label i0 i1 i2 u v` a line.
 
-    Points (1 - u - v, u, v) on triangles of a body of so many `vertices`.
+    Points (1 - u - v, u, v) on triangles of a body with this number of `vertices`.
     """
     with _said_of(path, "lines of a label, three vertices and two weights"):
         numbers = _numbers(path)
@@ -107,7 +107,7 @@ def read_samples(path: Path, vertices: int) -> SurfaceSamples:
 
 
 def read_chart(path: Path, vertices: int) -> Chart:
-    """The map from a garment of so many `vertices` to pixels: the first of the levels that the file holds."""
+    """The map from a garment with this number of `vertices` to pixels: the first of the levels that the file holds."""
     with _said_of(path, "a square map of pixels, three vertices and two weights each"):
         numbers = _numbers(path)
         levels = _count(numbers[0])

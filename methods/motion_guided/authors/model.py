@@ -39,7 +39,7 @@ from garmentbench.methods.motion_guided.uv_tables import UVTables
 def read_model(
     release: Release, static: Path, dynamic: Path, unit: str = "auto", axes: str = "auto"
 ) -> tuple[MotionGuided, list[str]]:
-    """The authors' trained model, in our axes, and what is to be said back of it, line by line.
+    """The authors' trained model, in our axes, and notes for the user, line by line.
 
     Args:
         release: Where its template, tables and seed points are.

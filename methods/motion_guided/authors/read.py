@@ -36,7 +36,7 @@ def read_release(
     axes: str = "auto",
     frames: int | None = None,
 ) -> tuple[Sequence, list[str]]:
-    """A sequence, and what is to be said back of it, line by line.
+    """A sequence, and notes for the user, line by line.
 
     Args:
         release: The folder and the garment.
@@ -45,7 +45,7 @@ def read_release(
         split: "train" or "test".
         fps: Frames a second, which no file says.
         unit, axes: As for `placement`.
-        frames: Read only the first so many.
+        frames: How many frames to read, from the first on.
 
     Raises:
         UserError: A file is missing or damaged, or files do not fit each other.
