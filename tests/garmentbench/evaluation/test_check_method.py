@@ -5,7 +5,8 @@ from dataclasses import replace
 import foreign_methods as foreign
 import pytest
 
-from garmentbench.evaluation.check_method import CHECKS, SCENES, check_method, parametrize_with_checks
+from garmentbench.evaluation.check_method import check_method, parametrize_with_checks
+from garmentbench.evaluation.checks import CHECKS, SCENES
 from garmentbench.methods import METHODS, load_method
 from garmentbench.pipeline import choose_method
 from garmentbench.scenes.presets import preset
