@@ -14,6 +14,7 @@ from garmentbench.evals.comparison import FULL, Comparison, Entry, Trial, measur
 from garmentbench.evals.experiment import Work, about, failed_row, first_failure, named
 from garmentbench.evaluation.results import Row
 from garmentbench.evaluation.rollout import DIVERGED, OK, RollOut
+from garmentbench.geometry.cloth_rest import cloth_at_rest
 from garmentbench.metrics import metric
 from garmentbench.metrics.change import change
 from garmentbench.metrics.energy_left import energy_left
@@ -163,7 +164,7 @@ def _stress_values(scene: Scene, sequence: Sequence, garment: np.ndarray, plain:
     template = sequence.template.garment
     if scene.motion.freeze_after is not None and len(garment) > scene.motion.freeze_after:
         values["energy_left"] = energy_left(
-            garment, scene.motion.freeze_after, vertex_areas(template.rest, template.faces)
+            garment, scene.motion.freeze_after, vertex_areas(cloth_at_rest(template), template.faces)
         )
     if scene.name in UNCHANGED:
         values["change"] = change(garment, plain, scene.motion.turn, scene.motion.translate)

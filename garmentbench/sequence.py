@@ -19,11 +19,14 @@ class Garment:
 
     Attributes:
         name: Name, e.g. "tshirt".
-        rest: Rest positions [m], shape (V, 3), float32. Vertices are split at UV seams.
+        rest: The shape in which it is put on [m], shape (V, 3), float32. Vertices are split at UV seams.
         faces: Triangles, shape (F, 3), int32.
         uv: UV coordinates in [0, 1], shape (V, 2), float32.
         seams: Pairs of vertices that are the same point of cloth, shape (S, 2), int32.
         pins: Vertices held fast to the collider (empty for a worn garment), shape (P,), int32.
+        cut: Where each vertex lies in the flat pattern [m], shape (V, 2), float32, panels apart from one another; None
+            where there is no pattern. The cloth's lengths and areas without load are the pattern's, or else those of
+            `rest` (see `geometry.cloth_rest`).
     """
 
     name: str
@@ -32,6 +35,7 @@ class Garment:
     uv: Float[np.ndarray, "vertices 2"]
     seams: Int[np.ndarray, "seams 2"]
     pins: Int[np.ndarray, " pins"] = field(default_factory=lambda: np.zeros(0, np.int32))
+    cut: Float[np.ndarray, "vertices 2"] | None = None
 
 
 @dataclass(frozen=True)

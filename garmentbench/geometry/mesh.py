@@ -58,9 +58,9 @@ def border_vertices(faces: Int[np.ndarray, "faces 3"]) -> Int[np.ndarray, " bord
 
 
 def edge_lengths(
-    positions: Float[np.ndarray, "*n vertices 3"], edges: Int[np.ndarray, "edges 2"]
+    positions: Float[np.ndarray, "*n vertices d"], edges: Int[np.ndarray, "edges 2"]
 ) -> Float[np.ndarray, "*n edges"]:
-    """Edge lengths [m], shape (..., E), of positions [m], shape (..., V, 3)."""
+    """Edge lengths [m], shape (..., E), of positions [m], shape (..., V, 2 or 3)."""
     return np.linalg.norm(positions[..., edges[:, 0], :] - positions[..., edges[:, 1], :], axis=-1)
 
 

@@ -15,7 +15,7 @@ def subdivided(garment: Garment) -> Garment:
     one's without any mapping. The rest surface is the same, its facets included. An edge whose two ends are joined by
     seams to those of another gets a seam in its middle; one between two pins gets a pin.
     """
-    count = len(garment.rest)
+    count, cut = len(garment.rest), garment.cut
     edges, middle_of = _edges(garment.faces)
     middles = count + np.arange(len(edges), dtype=np.int32)
     ab, bc, ca = count + middle_of.reshape(3, -1).astype(np.int32)
@@ -29,6 +29,7 @@ def subdivided(garment: Garment) -> Garment:
         uv=np.concatenate([garment.uv, garment.uv[edges].mean(axis=1)]).astype(np.float32),
         seams=np.concatenate([garment.seams, _middle_seams(edges, middles, garment.seams, count)]).astype(np.int32),
         pins=np.concatenate([garment.pins, middles[pinned]]).astype(np.int32),
+        cut=None if cut is None else np.concatenate([cut, cut[edges].mean(axis=1)]).astype(np.float32),
     )
 
 

@@ -3,8 +3,9 @@
     E(x) = sum_t sum_i m_i | (x_ti - x_t-1,i) - (b_tk - b_t-1,k) |^2,   k the body vertex nearest to the *reference*
     liveliness = E(prediction) / E(reference)    [1]
 
-1 is as lively as the reference, below 1 stiff, above 1 restless. m_i is a third of the rest area round vertex i; the
-same k for both, so that only the cloth's own motion differs. Without a body the cloth's motion itself is taken.
+1 is as lively as the reference, below 1 stiff, above 1 restless. m_i is a third of the area without load round
+vertex i; the same k for both, so that only the cloth's own motion differs. Without a body the cloth's motion itself is
+taken.
 
 When it lies. It is a sum over the whole garment and time: too much flutter at the hem makes up for a dead sleeve, and
 jitter counts as life: read `jitter` beside it. Cloth that turns with a limb moves a little relative to the nearest
@@ -14,6 +15,7 @@ skin, so plain skinning doesn't score 0. It is NaN where the reference does not 
 import numpy as np
 from jaxtyping import Float, Int
 
+from garmentbench.geometry.cloth_rest import cloth_at_rest
 from garmentbench.geometry.nearest import nearest_vertices
 from garmentbench.metrics.metric import Metric
 
@@ -45,7 +47,7 @@ def near_displacements(
 def vertex_areas(
     rest: Float[np.ndarray, "vertices 3"], faces: Int[np.ndarray, "faces 3"]
 ) -> Float[np.ndarray, " vertices"]:
-    """A third of the area of the faces round each vertex [m^2], shape (V,), float64."""
+    """A third of the area of the faces round each vertex of cloth at rest [m^2], shape (V,), float64."""
     a, b, c = (rest[faces[:, k]].astype(np.float64) for k in range(3))
     area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
     return np.bincount(faces.ravel(), np.repeat(area / 3, 3), minlength=len(rest))
@@ -64,7 +66,7 @@ def liveliness(
         predicted: [m], shape (T, V, 3), finite.
         reference: [m], shape (T, V, 3).
         body: [m], shape (T, B, 3); None where there is no body.
-        rest: The garment's rest shape [m], shape (V, 3).
+        rest: Where its cloth is at rest [m], shape (V, 3).
         faces: Its faces, shape (F, 3).
     """
     near, mass = None if body is None else near_displacements(reference, body), vertex_areas(rest, faces)
@@ -76,6 +78,6 @@ LIVELINESS = Metric(
     "liveliness",
     "1",
     "liveliness",
-    lambda m: liveliness(m.predicted, m.reference, m.body, m.template.garment.rest, m.template.garment.faces),
+    lambda m: liveliness(m.predicted, m.reference, m.body, cloth_at_rest(m.template.garment), m.template.garment.faces),
     best="one",
 )

@@ -1,6 +1,6 @@
 """Strain: how much the cloth is stretched or squeezed.
 
-    strain_p95 = 100 mean_t p95_e | l_te / L_e - 1 |,   l an edge's length in frame t, L in the template    [%]
+    strain_p95 = 100 mean_t p95_e | l_te / L_e - 1 |,   l an edge's length in frame t, L without load    [%]
     strain_mean = 100 mean_t mean_e | l_te / L_e - 1 |,   strain_p99_max = 100 max_t p99_e | l_te / L_e - 1 |    [%]
 
 The last two are the simulator's own, taken while it runs.
@@ -13,24 +13,23 @@ percentile leaves the worst twentieth out, and with it a single torn seam. Bendi
 import numpy as np
 from jaxtyping import Float, Int
 
-from garmentbench.geometry.mesh import edge_lengths, unique_edges
+from garmentbench.geometry.cloth_rest import rest_lengths
+from garmentbench.geometry.mesh import edge_lengths
 from garmentbench.metrics.metric import Metric
 
 
 def strain_p95(
     garment: Float[np.ndarray, "frames vertices 3"],
-    rest: Float[np.ndarray, "vertices 3"],
-    faces: Int[np.ndarray, "faces 3"],
+    edges: Int[np.ndarray, "edges 2"],
+    lengths: Float[np.ndarray, " edges"],
 ) -> float:
     """95th percentile of the absolute edge strain [%], mean over frames.
 
     Args:
         garment: [m], shape (T, V, 3), finite.
-        rest: Template [m], shape (V, 3).
-        faces: Shape (F, 3).
+        edges: Pairs of vertices, shape (E, 2).
+        lengths: Of the edges without load [m], shape (E,).
     """
-    edges = unique_edges(faces)
-    lengths = edge_lengths(rest.astype(np.float64), edges)
     edges, lengths = edges[lengths > 0], lengths[lengths > 0]
     return float(100 * np.mean([np.percentile(np.abs(edge_lengths(g, edges) / lengths - 1), 95) for g in garment]))
 
@@ -49,7 +48,7 @@ STRAIN_P95 = Metric(
     "strain_p95",
     "%",
     "strain, 95th percentile",
-    lambda m: strain_p95(m.predicted, m.template.garment.rest, m.template.garment.faces),
+    lambda m: strain_p95(m.predicted, *rest_lengths(m.template.garment)),
 )
 STRAIN_MEAN = Metric("strain_mean", "%", "strain, mean", strain_mean)
 STRAIN_P99_MAX = Metric("strain_p99_max", "%", "largest strain, 99th percentile", strain_p99_max)

@@ -5,6 +5,7 @@ mesh; here the first thing that makes it useless is enough.
 """
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from garmentbench.storage.npz import read_arrays
 ENDINGS = (".npz", ".obj")
 _SIZES = 0.05, 10.0  # [m] the diagonal of a garment's bounding box, least and most
 _SHAPES = {"rest": ("f", (3,)), "faces": ("iu", (3,)), "uv": ("f", (2,)), "seams": ("iu", (2,)), "pins": ("iu", ())}
+_CUT = ("f", (2,))
 _TOP = re.compile(r"top (\d+(?:\.\d+)?) cm")
 
 
@@ -41,7 +43,7 @@ def read_garment(name: str, mesh: MeshFile) -> Garment:
         seams.append(_indices(path, "seams", mesh.seams, (-1, 2), len(garment.rest)))
     pairs = sewing_pairs(np.concatenate(seams), len(garment.rest))
     pins = garment.pins if mesh.pins is None else _pins(path, mesh.pins, garment, groups)
-    return Garment(name, garment.rest, garment.faces, garment.uv, pairs, np.unique(pins).astype(np.int32))
+    return replace(garment, seams=pairs, pins=np.unique(pins).astype(np.int32))
 
 
 def _pins(path: Path, pins: str | tuple[int, ...], garment: Garment, groups: dict[str, np.ndarray]) -> np.ndarray:
@@ -71,8 +73,9 @@ def _refuse(path: Path, garment: Garment) -> None:
     faces, rest = garment.faces, garment.rest
     if not len(faces) or not 0 <= faces.min() <= faces.max() < len(rest):
         raise UserError(f"{path}: its faces are missing, or name vertices that are not there; {ask}")
-    if not (np.isfinite(rest).all() and np.isfinite(garment.uv).all()):
-        raise UserError(f"{path}: positions or UV are not finite; {ask}")
+    flat = () if garment.cut is None else (garment.cut,)
+    if not all(np.isfinite(array).all() for array in (rest, garment.uv, *flat)):
+        raise UserError(f"{path}: positions, UV or the cut are not finite; {ask}")
     size = float(np.linalg.norm(np.ptp(rest[faces.ravel()], axis=0)))
     if not _SIZES[0] < size < _SIZES[1]:
         raise UserError(f"{path}: {size:.3g} m across, is it in another unit? {ask}")
@@ -83,20 +86,22 @@ def _refuse(path: Path, garment: Garment) -> None:
 
 
 def _npz(name: str, path: Path) -> tuple[Garment, dict[str, np.ndarray]]:
-    wanted = "a garment's rest (V, 3), faces (F, 3), uv (V, 2), and seams (S, 2), pins (P,) where there are any"
+    wanted = "a garment's rest (V, 3), faces (F, 3), uv (V, 2), and any seams (S, 2), pins (P,), cut (V, 2)"
     again = "`garmentbench check` makes one of an OBJ file with --fix OUT.npz"
     arrays = {"seams": np.zeros((0, 2), np.int32), "pins": np.zeros(0, np.int32)}
-    arrays |= read_arrays(path, wanted, again, _SHAPES)
-    for key, (kinds, width) in _SHAPES.items():
+    arrays |= read_arrays(path, wanted, again, _SHAPES | {"cut": _CUT})
+    shapes = _SHAPES | ({"cut": _CUT} if "cut" in arrays else {})
+    for key, (kinds, width) in shapes.items():
         array = arrays.get(key)
         if array is None or array.dtype.kind not in kinds or array.ndim < 1 or array.shape[1:] != width:
             raise UserError(f"{path}: {key} is missing or of another shape, wanted {wanted}; {again}")
-    if len(arrays["uv"]) != len(arrays["rest"]):
-        raise UserError(f"{path}: uv has {len(arrays['uv'])} rows, rest {len(arrays['rest'])}; {again}")
+    for key in sorted({"uv", "cut"} & set(arrays)):
+        if len(arrays[key]) != len(arrays["rest"]):
+            raise UserError(f"{path}: {key} has {len(arrays[key])} rows, rest {len(arrays['rest'])}; {again}")
     for key in ("seams", "pins"):
         _indices(path, key, arrays[key], (-1, *_SHAPES[key][1]), len(arrays["rest"]))
     kinds = {"f": np.float32, "iu": np.int32}
-    return Garment(name, **{key: arrays[key].astype(kinds[kind]) for key, (kind, _) in _SHAPES.items()}), {}
+    return Garment(name, **{key: arrays[key].astype(kinds[kind]) for key, (kind, _) in shapes.items()}), {}
 
 
 def _obj(name: str, path: Path) -> tuple[Garment, dict[str, np.ndarray]]:

@@ -29,7 +29,8 @@ def load_garment(name: str, size: str) -> Garment:
         sizes = ", ".join(p.stem.rsplit("-", 1)[1] for p in GARMENTS.glob(f"{name}-*.npz"))
         raise UserError(f"garment '{name}' has no mesh of size {size}; it has {sizes}")
     with np.load(path, allow_pickle=False) as arrays:
-        return Garment(name, *(arrays[key] for key in ("rest", "faces", "uv", "seams", "pins")))
+        parts = (arrays[key] for key in ("rest", "faces", "uv", "seams", "pins"))
+        return Garment(name, *parts, cut=arrays.get("cut"))
 
 
 def scene_garment(scene: Scene, size: MeshSize) -> Garment:

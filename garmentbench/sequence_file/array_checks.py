@@ -84,6 +84,21 @@ def uv(a: Arrays) -> list[Problem]:
     return []
 
 
+def pattern(a: Arrays) -> list[Problem]:
+    """Is the flat pattern in the unit of the rest shape, and has each of its triangles an area?"""
+    cut, faces = a["garment/cut"].astype(np.float64), a["garment/faces"]
+    (x1, y1), (x2, y2) = (cut[faces[:, 1]] - cut[faces[:, 0]]).T, (cut[faces[:, 2]] - cut[faces[:, 0]]).T
+    flat = np.flatnonzero(np.abs(x1 * y2 - x2 * y1) <= 1e-12)
+    if len(flat):
+        return [Problem("garment/cut", f"face {flat[0]} has no area ({len(flat)} such in all)", _REPAIR)]
+    edges = unique_edges(faces)
+    worn, laid = (float(np.median(edge_lengths(x, edges))) for x in (a["garment/rest"], cut))
+    if 0.5 * worn <= laid <= 2 * worn:
+        return []
+    what = f"edges are {laid:.3g} m long in the pattern, {worn:.3g} m as it is put on"
+    return [Problem("garment/cut", what, "bring pattern and rest shape to metres")]
+
+
 def frame_scale(name: str) -> Check:
     """Are a mesh's frames in the unit of its rest shape?"""
 

@@ -10,6 +10,7 @@ from garmentbench.sequence_file.array_checks import (
     indices,
     mesh,
     not_empty,
+    pattern,
     scale,
     seams,
     starts_inside,
@@ -51,7 +52,7 @@ def value_problems(contents: Contents, unusable: frozenset[str] = frozenset()) -
     """
     problems = _rate_and_kind(contents)
     good = {n: a for n, a in contents.arrays.items() if n not in unusable}
-    for name in ("garment/rest", "garment/uv", "garment/frames", "body/rest", "body/frames"):
+    for name in ("garment/rest", "garment/uv", "garment/cut", "garment/frames", "body/rest", "body/frames"):
         if name in contents.arrays:  # even where its shape is odd
             problems += finite(name, contents.arrays[name])
     for check, needed in _CHECKS:
@@ -89,6 +90,7 @@ _CHECKS: tuple[tuple[Check, tuple[str, ...]], ...] = (
     (indices("garment/pins", "garment/rest"), ("garment/pins", "garment/rest")),
     (indices("body/faces", "body/rest"), ("body/faces", "body/rest")),
     (uv, ("garment/uv",)),
+    (pattern, ("garment/cut", "garment/faces", "garment/rest")),
     (mesh("garment"), ("garment/faces", "garment/rest")),
     (mesh("body"), ("body/faces", "body/rest")),
     (frame_scale("garment"), ("garment/faces", "garment/rest", "garment/frames")),

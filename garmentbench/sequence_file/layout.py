@@ -2,7 +2,7 @@
 
     attributes              format, schema, units, content_hash, fps, info (JSON)
     garment                 attribute name
-        rest faces uv seams pins
+        rest faces uv seams pins cut   cut absent where there is no pattern
         frames              positions, shape (T, V, 3), float32
     body                    attributes name, kind, part_names (JSON); absent where there is no body
         rest faces labels   labels absent where the body has no parts
@@ -28,13 +28,14 @@ ARRAYS = {  # dtype and shape; the same letter stands for the same number everyw
     "garment/uv": ("float32", ("V", 2)),
     "garment/seams": ("int32", ("S", 2)),
     "garment/pins": ("int32", ("P",)),
+    "garment/cut": ("float32", ("V", 2)),
     "garment/frames": ("float32", ("T", "V", 3)),
     "body/rest": ("float32", ("B", 3)),
     "body/faces": ("int32", ("K", 3)),
     "body/labels": ("int8", ("B",)),
     "body/frames": ("float32", ("T", "B", 3)),
 }
-OPTIONAL = frozenset({"body/labels"})
+OPTIONAL = frozenset({"garment/cut", "body/labels"})
 COUNTED = {"V": "garment vertices", "B": "body vertices", "T": "frames"}
 
 
@@ -78,6 +79,8 @@ def contents_of(sequence: Sequence) -> Contents:
     """The arrays and names of a sequence."""
     garment, body = sequence.template.garment, sequence.template.body
     arrays = {f"garment/{k}": getattr(garment, k) for k in ("rest", "faces", "uv", "seams", "pins")}
+    if garment.cut is not None:
+        arrays["garment/cut"] = garment.cut
     arrays["garment/frames"] = sequence.garment
     names = Names(garment.name)
     if body is not None:
@@ -91,7 +94,8 @@ def contents_of(sequence: Sequence) -> Contents:
 def sequence_of(contents: Contents) -> Sequence:
     """The sequence, from contents without errors."""
     a, names = contents.arrays, contents.names
-    garment = Garment(names.garment, *(a[f"garment/{k}"] for k in ("rest", "faces", "uv", "seams", "pins")))
+    parts = (a[f"garment/{k}"] for k in ("rest", "faces", "uv", "seams", "pins"))
+    garment = Garment(names.garment, *parts, cut=a.get("garment/cut"))
     body = None
     if names.body is not None and names.kind is not None:
         body = Body(names.body, a["body/rest"], a["body/faces"], a.get("body/labels"), names.part_names, names.kind)

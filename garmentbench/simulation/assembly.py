@@ -7,6 +7,7 @@ import numpy as np
 import scipy.sparse as sp
 from jaxtyping import Bool, Float, Int
 
+from garmentbench.geometry.cloth_rest import cloth_at_rest, rest_areas, rest_lengths
 from garmentbench.geometry.weld import weld
 from garmentbench.scenes.material import Material, Settings
 from garmentbench.sequence import Garment
@@ -18,16 +19,17 @@ class Fabric:
 
     Attributes:
         particle: Particle of each garment vertex, shape (V,).
-        rest: Rest positions [m], shape (P, 3), float64.
+        rest: Positions as it is put on [m], shape (P, 3), float64.
         mass: [kg], shape (P,).
         edges: Particle pairs, shape (E, 2).
-        length: Rest lengths [m], shape (E,).
+        length: Lengths without load [m], shape (E,).
         stiffness: Spring constants after the cap [N/m], shape (E,).
         stencils: Particles of each bending stencil, shape (S, 4): an inner edge's ends, then the corners beside it.
         curvature: Their coefficients; the sum of coefficient times position is 0 where the cloth is flat, shape (S, 4).
         bend_stiffness: Stiffness after the cap [N/m], shape (S,).
         pinned: Whether a particle is held by the collider, shape (P,), bool.
         faces: Particles of each triangle, shape (F, 3).
+        corners: The triangles without load, each in a place of its own [m], shape (F, 3, 3).
     """
 
     particle: Int[np.ndarray, " vertices"]
@@ -41,6 +43,7 @@ class Fabric:
     bend_stiffness: Float[np.ndarray, " stencils"]
     pinned: Bool[np.ndarray, " particles"]
     faces: Int[np.ndarray, "faces 3"]
+    corners: Float[np.ndarray, "faces 3 3"]
 
     @cached_property
     def bending(self) -> sp.csr_matrix:
@@ -54,37 +57,43 @@ class Fabric:
 
 
 def assemble(garment: Garment, material: Material, settings: Settings) -> Fabric:
-    """The fabric of a garment."""
+    """The fabric of a garment. Lengths, areas, masses and cotangents are those of its cloth without load."""
     particle, count = weld(len(garment.rest), garment.seams)
     rest = np.zeros((count, 3))
     np.add.at(rest, particle, garment.rest.astype(np.float64))
     rest /= np.bincount(particle)[:, None]
     faces = particle[garment.faces]
-    area = _areas(rest, faces)
+    area, corners = rest_areas(garment), cloth_at_rest(garment)[garment.faces]
     mass = np.zeros(count)
     np.add.at(mass, faces.ravel(), np.repeat(material.density * area / 3, 3))
     mass = np.maximum(mass, settings.mass_floor * np.median(mass))
-    edges, edge_area, stencils = _edges(faces, area)
-    length = np.linalg.norm(rest[edges[:, 0]] - rest[edges[:, 1]], axis=1)
+    edges, edge_area, stencils, halves = _edges(faces, area)
+    length = _lengths(garment, particle)
     stiffness = material.stretch * edge_area / length**2
     pair = 1 / mass[edges]
     stiffness = _cap(stiffness, 1 / pair.sum(axis=1), settings.stretch_cap)
     pinned = np.zeros(count, bool)
     pinned[particle[garment.pins]] = True
-    curvature, area = _curvature(rest, stencils)
-    bend_stiffness = _cap(material.bending / area, 1 / (curvature**2 / mass[stencils]).sum(axis=1), settings.bend_cap)
-    return Fabric(particle, rest, mass, edges, length, stiffness, stencils, curvature, bend_stiffness, pinned, faces)
+    curvature = _curvature(corners, faces, stencils, halves)
+    around = area[halves % len(faces)].sum(axis=1)
+    bend_stiffness = _cap(material.bending / around, 1 / (curvature**2 / mass[stencils]).sum(axis=1), settings.bend_cap)
+    return Fabric(
+        particle, rest, mass, edges, length, stiffness, stencils, curvature, bend_stiffness, pinned, faces, corners
+    )
 
 
-def _areas(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    a, b, c = points[faces].transpose(1, 0, 2)
-    return np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+def _lengths(garment: Garment, particle: np.ndarray) -> np.ndarray:
+    """Length without load of each edge between particles [m], shape (E,), the edges in the order of `_edges`."""
+    edges, lengths = rest_lengths(garment)
+    _, first = np.unique(np.sort(particle[edges], axis=1), axis=0, return_index=True)
+    return lengths[first]
 
 
-def _edges(faces: np.ndarray, area: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _edges(faces: np.ndarray, area: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Edges (E, 2), their areas (E,) [m^2] (a third of each triangle beside it), and stencils (S, 4) for bending.
 
-    A stencil is an inner edge's two ends, then the two corners opposite to it.
+    A stencil is an inner edge's two ends, then the two corners opposite to it. Last, the two triangles' sides that meet
+    there, shape (S, 2): side k F + f goes from corner k of triangle f to the next.
     """
     corners = np.concatenate([faces[:, [0, 1, 2]], faces[:, [1, 2, 0]], faces[:, [2, 0, 1]]])
     ends = np.sort(corners[:, :2], axis=1)
@@ -95,7 +104,7 @@ def _edges(faces: np.ndarray, area: np.ndarray) -> tuple[np.ndarray, np.ndarray,
     same = index[order][1:] == index[order][:-1]
     first, second = order[:-1][same], order[1:][same]
     stencils = np.column_stack([edges[index[first]], corners[first, 2], corners[second, 2]])
-    return edges.astype(np.int32), edge_area, stencils
+    return edges.astype(np.int32), edge_area, stencils, np.column_stack([first, second])
 
 
 def _cap(stiffness: np.ndarray, inertia: np.ndarray, multiple: float) -> np.ndarray:
@@ -105,18 +114,20 @@ def _cap(stiffness: np.ndarray, inertia: np.ndarray, multiple: float) -> np.ndar
     return np.minimum(stiffness, multiple**2 * np.median(stiffness / inertia) * inertia)
 
 
-def _curvature(rest: np.ndarray, stencils: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Isometric bending from cotangents of the rest shape (Bergou et al. 2006).
+def _curvature(corners: np.ndarray, faces: np.ndarray, stencils: np.ndarray, halves: np.ndarray) -> np.ndarray:
+    """Isometric bending from cotangents without load (Bergou et al. 2006): coefficients, shape (S, 4).
 
-    Coefficients, shape (S, 4), and areas [m^2], shape (S,), that divide the flexural rigidity. Bergou's factor 3 is
-    left out: with it, equilateral triangles bent to a cylinder are three times too stiff.
+    What divides the flexural rigidity is the area of both triangles. Bergou's factor 3 is left out: with it,
+    equilateral triangles bent to a cylinder are three times too stiff.
     """
-    x0, x1, x2, x3 = rest[stencils].transpose(1, 0, 2)
-    at0, other0 = _cot(x1 - x0, x2 - x0), _cot(x1 - x0, x3 - x0)
-    at1, other1 = _cot(x0 - x1, x2 - x1), _cot(x0 - x1, x3 - x1)
-    coefficients = np.column_stack([at1 + other1, at0 + other0, -at0 - at1, -other0 - other1])
-    return coefficients, _areas(rest, stencils[:, [0, 1, 2]]) + _areas(rest, stencils[:, [0, 1, 3]])
+    following, before = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
+    cotangents = _cot(following, before)
+    side, face = np.divmod(halves, len(faces))
+    forward = faces[face, side] == stencils[:, :1]  # does the triangle's side go from the stencil's first end?
+    begin, end = cotangents[face, side], cotangents[face, (side + 1) % 3]
+    (at0, other0), (at1, other1) = np.where(forward, begin, end).T, np.where(forward, end, begin).T
+    return np.column_stack([at1 + other1, at0 + other0, -at0 - at1, -other0 - other1])
 
 
 def _cot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return (a * b).sum(axis=1) / np.maximum(np.linalg.norm(np.cross(a, b), axis=1), 1e-12)
+    return (a * b).sum(axis=-1) / np.maximum(np.linalg.norm(np.cross(a, b), axis=-1), 1e-12)

@@ -8,12 +8,13 @@ import numpy as np
 import scipy.sparse as sp
 
 from garmentbench.errors import UserError
-from garmentbench.geometry.mesh import edge_lengths, tangent_frames, unique_edges
+from garmentbench.geometry.cloth_rest import rest_lengths
+from garmentbench.geometry.mesh import tangent_frames
 from garmentbench.geometry.seeds import SeedPoints, select_seeds
 from garmentbench.geometry.surface_seeds import SurfaceSeeds
 from garmentbench.geometry.uvmap import Chart, bilinear_table, chart
 from garmentbench.methods.motion_guided.uv_tables import UVTables, table_matrix
-from garmentbench.sequence import Template
+from garmentbench.sequence import Garment, Template
 from garmentbench.storage.atomic import written_whole
 
 
@@ -29,6 +30,7 @@ class Canonical:
         seeds: The seed points. Their labels count only where the scene needs a radius per part, else they are None.
         body_size: Vertices of the body.
         tables: A released model's own; None where they follow from the template.
+        cut: The flat pattern [m], shape (V, 2); None where there is none.
     """
 
     rest: np.ndarray
@@ -38,6 +40,7 @@ class Canonical:
     seeds: SeedPoints | SurfaceSeeds
     body_size: int
     tables: UVTables | None = None
+    cut: np.ndarray | None = None
 
     @classmethod
     def of(cls, template: Template, seed_count: int) -> "Canonical":
@@ -50,14 +53,13 @@ class Canonical:
         g, seeds = template.garment, select_seeds(template, seed_count)
         if not template.needs.part_radii:
             seeds = SeedPoints(**{**vars(seeds), "labels": None})
-        return cls(g.rest, g.faces, g.uv, g.seams, seeds, len(template.body.rest))
+        return cls(g.rest, g.faces, g.uv, g.seams, seeds, len(template.body.rest), cut=g.cut)
 
     @property
     def edges(self) -> tuple[np.ndarray, np.ndarray]:
-        """Mesh edges and seam pairs, shape (E + S, 2), and rest lengths [m], 0 at a seam, shape (E + S,)."""
-        edges = unique_edges(self.faces)
-        lengths = np.concatenate([edge_lengths(self.rest, edges), np.zeros(len(self.seams))])
-        return np.concatenate([edges, self.seams]), lengths
+        """Mesh edges and seam pairs, shape (E + S, 2), and lengths without load [m], 0 at a seam, shape (E + S,)."""
+        edges, lengths = rest_lengths(Garment("", self.rest, self.faces, self.uv, self.seams, cut=self.cut))
+        return np.concatenate([edges, self.seams]), np.concatenate([lengths, np.zeros(len(self.seams))])
 
     @property
     def frames(self) -> np.ndarray:
@@ -87,7 +89,7 @@ class Canonical:
     def save(self, path: Path) -> None:
         """Write to an npz file, whole."""
         arrays = {f"seed_{k}": v for k, v in asdict(self.seeds).items() if v is not None}
-        arrays |= {k: v for k, v in vars(self).items() if k not in ("seeds", "tables")}
+        arrays |= {k: v for k, v in vars(self).items() if k not in ("seeds", "tables") and v is not None}
         arrays |= {} if self.tables is None else self.tables.arrays()
         with written_whole(path) as partial, partial.open("wb") as file:
             np.savez(file, **arrays)
@@ -104,4 +106,5 @@ class Canonical:
                 seeds=SurfaceSeeds(**seeds) if "corners" in seeds else SeedPoints(**seeds),
                 body_size=int(z["body_size"]),
                 tables=UVTables.from_arrays(dict(z)),
+                cut=z.get("cut"),
             )

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 from garmentbench import metrics
 from garmentbench.errors import UsageError
 from garmentbench.evaluation.toy import tiny_sequence
+from garmentbench.geometry.mesh import edge_lengths, unique_edges
 from garmentbench.geometry.signed_distance import signed_distances
 from garmentbench.metrics import METRICS, STUDY_METRICS
 from garmentbench.metrics.interpenetration import interpenetration
@@ -41,13 +42,13 @@ def scene():
 
 
 def all_metrics(predicted, reference, body, rest, faces, body_faces):
-    distances = signed_distances(predicted, body, body_faces)
+    distances, edges = signed_distances(predicted, body, body_faces), unique_edges(faces)
     return {
         "l2": l2(predicted, reference),
         "interpenetration": interpenetration(predicted, body, body_faces),
         "interpenetration_strict": interpenetration_strict(distances),
         "depth_p95": depth_p95(distances),
-        "strain_p95": strain_p95(predicted, rest, faces),
+        "strain_p95": strain_p95(predicted, edges, edge_lengths(rest, edges)),
         "jitter": jitter(predicted, reference, 30.0),
         "liveliness": liveliness(predicted, reference, body, rest, faces),
     }
