@@ -35,6 +35,7 @@ _LISTS = {  # commands that list all names of a kind
     "scene": "garmentbench scenes",
     "method": "garmentbench methods",
     "body": "garmentbench bodies",
+    "fabric": "garmentbench fabrics",
 }
 
 

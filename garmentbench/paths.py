@@ -11,6 +11,7 @@ HOME_VARIABLE = "GARMENTBENCH_HOME"  # worker processes inherit it
 PACKAGE = Path(__file__).resolve().parent
 DATASETS = PACKAGE / "datasets"
 WARDROBE = DATASETS / "wardrobe.toml"
+FABRICS = DATASETS / "fabrics.toml"
 SCENES = DATASETS / "scenes"
 BODIES = DATASETS / "bodies"
 GARMENTS = DATASETS / "garments"

@@ -9,6 +9,7 @@ from garmentbench.commands.authors import ImportAuthors, ImportAuthorsModel
 from garmentbench.commands.bodies import Bodies
 from garmentbench.commands.card import Card
 from garmentbench.commands.check import Check
+from garmentbench.commands.fabrics import Fabrics
 from garmentbench.commands.meshes import Export, Import
 from garmentbench.commands.methods import CheckMethod, Evaluate, Methods, Train
 from garmentbench.commands.motions import ImportMotion
@@ -27,6 +28,7 @@ class Command(Protocol):
 COMMANDS: dict[str, type[Command]] = {
     "scenes": Scenes,
     "bodies": Bodies,
+    "fabrics": Fabrics,
     "methods": Methods,
     "simulate": Simulate,
     "import": Import,

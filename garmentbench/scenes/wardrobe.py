@@ -12,6 +12,7 @@ from pathlib import Path
 from garmentbench import paths
 from garmentbench.errors import UserError, unknown_name
 from garmentbench.scenes.bodies import body_names
+from garmentbench.scenes.fabrics import resolved
 from garmentbench.scenes.garments import garment_names
 from garmentbench.scenes.material import Material, Settings
 from garmentbench.scenes.scene import BASE, Frames, MeshFile, Motion, Scene, Split
@@ -173,9 +174,11 @@ def _motions() -> set[str]:
 def read_wardrobe(path: Path) -> Wardrobe:
     """A wardrobe's file. Raises `UserError` naming what is wrong and where."""
     table = read_toml(path)
-    for name in table["garments"] if isinstance(table.get("garments"), dict) else ():
+    for name, entry in table["garments"].items() if isinstance(table.get("garments"), dict) else ():
         if not re.fullmatch(r"\w+", name):
             raise UserError(f"{path}: a garment is called '{name}'; wanted letters, digits and _")
+        if isinstance(entry, dict) and "material" in entry:
+            entry["material"] = resolved(entry["material"], f"{path}: garments.{name}.")
     read = typed(table, Wardrobe, path)
     garments = {name: replace(entry, mesh=_beside(path, entry.mesh)) for name, entry in read.garments.items()}
     return replace(read, garments=garments)
@@ -233,7 +236,7 @@ def _from_file(path: Path, outer: str) -> Scene:
     if isinstance(table.get("garment"), str):
         entry = wardrobe().entry(table["garment"])
         for key in ("material", "simulation"):
-            changes = table.get(key, {})
+            changes = resolved(table.get(key, {}), f"{path}: ") if key == "material" else table.get(key, {})
             table[key] = asdict(getattr(entry, key)) | changes if isinstance(changes, dict) else changes
     scene = typed({**table, "name": path.stem}, Scene, path)
     mesh = _beside(path, scene.mesh) or wardrobe().entry(scene.garment).mesh
