@@ -11,12 +11,9 @@ from faulty_meshes import tube
 from garmentbench.cli import main
 from garmentbench.importing.mesh_doctor.files import mesh_of, read_mesh, read_wearer, write_mesh
 from garmentbench.importing.mesh_doctor.worn import Change, is_worn, proposal
-from garmentbench.paths import PACKAGE
 from garmentbench.scenes.garments import garment_names, load_garment
 
 BODY = read_wearer("base")
-CASES = PACKAGE.parents[1] / "shared" / "data" / "cases"
-needs_cases = pytest.mark.skipif(not CASES.is_dir(), reason="the inputs in ../shared/data/cases are not there")
 SKIRT = tube()
 SIZE = np.ptp(SKIRT.vertices, axis=0)
 SKIRT = replace(
@@ -91,14 +88,3 @@ def test_wrong_options(typed, tmp_path, option, value):
     write_mesh(tmp_path / "a.obj", WORN)
     code, out, err = typed("a.obj", "--fix", "b.npz", option, value)
     assert code == 2 and out == "" and option in err and "wanted" in err
-
-
-@needs_cases
-def test_cases_of_a_garment_elsewhere_and_of_inches(typed):
-    folder = CASES / "04-check-body-elsewhere"
-    code, out, _ = typed(folder / "shifted.npz", "--body", "base")
-    assert code == 1 and "error: body: not worn by 'base'" in out and "--shift=-2,0,0" in out
-    code, out, _ = typed(folder / "tube_yup_pelvis_origin.obj", "--body", "base", "--fix", "t.npz")
-    assert code == 1 and "y up, +0.9 m" in out and "nothing is pushed" in out
-    code, out, _ = typed(CASES / "13-inches" / "tube_in.obj", "--body", "base", "--fix", "x.npz")
-    assert code == 1 and "or in (0.78 m)" in out and "--units in" in out

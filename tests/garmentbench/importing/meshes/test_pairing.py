@@ -17,10 +17,7 @@ from garmentbench.importing.meshes.obj import write_series, write_template
 from garmentbench.importing.meshes.pairing import paired
 from garmentbench.importing.meshes.point_caches import write_mdd, write_pc2
 from garmentbench.importing.meshes.reading import read_both
-from garmentbench.paths import PACKAGE
 
-CASES = PACKAGE.parents[1] / "shared" / "data" / "cases"
-needs_cases = pytest.mark.skipif(not CASES.is_dir(), reason="the inputs in ../shared/data/cases are not there")
 T, STEP = 8, np.float32([0.02, 0.0, 0.0])  # everything moves by 2 cm a frame of 25 a second
 
 
@@ -251,44 +248,3 @@ def test_the_check_is_made_in_every_format_and_can_be_waived(tmp_path, capsys, w
     (tmp_path / "again").mkdir()
     more = ("--other-template", *fps_of(write))
     assert run(tmp_path / "again", capsys, spoilt, (0.0, 1.0), (0.0, 1.0), *more)[0] == 0
-
-
-@needs_cases
-@pytest.mark.parametrize("kind", ["u_off.usdc", "garment_s5.pc2", "garment_t1.mdd"])
-def test_case_of_another_start(tmp_path, capsys, kind):
-    folder = CASES / "03-start-frame-ignored"
-    ending = Path(kind).suffix
-    more = () if ending == ".usdc" else ("--template", folder / "garment.obj", "--body", folder / f"body{ending}",
-                                         "--body-template", folder / "body.obj")  # fmt: skip
-    code, _, err = typed(
-        capsys, "import", folder / kind, *more, *(("--fps", 24) if ending == ".pc2" else ()), "--out", tmp_path / "x.h5"
-    )
-    sequence = imported(tmp_path / "x.h5")
-    assert code == 0 and err == [] and len(sequence) == 15
-    middles = [(x.min(axis=1) + x.max(axis=1))[:, :2] / 2 for x in (sequence.garment, sequence.body)]
-    assert np.linalg.norm(middles[0] - middles[1], axis=1).max() < 0.1
-    assert sequence.scores["interpenetration_strict"] < 1
-
-
-@needs_cases
-def test_cases_of_vertex_order_and_half_rate(tmp_path, capsys):
-    folder = CASES / "02-pc2-vertex-order"
-    body = (
-        "--body",
-        folder / "body.pc2",
-        "--body-template",
-        folder / "body.obj",
-        "--fps",
-        24,
-        "--out",
-        tmp_path / "x.h5",
-    )
-    code, _, err = typed(capsys, "import", folder / "garment.pc2", "--template", folder / "garment_perm.obj", *body)
-    assert code == 1 and "another order of vertices" in err[0]
-    assert typed(capsys, "import", folder / "garment.pc2", "--template", folder / "garment.obj", *body)[0] == 0
-    half = CASES / "09-half-rate-advice" / "u_half.usdc"
-    assert typed(capsys, "import", half, "--out", tmp_path / "h.h5")[0] == 0
-    sequence = imported(tmp_path / "h.h5")
-    assert len(sequence) == 10 and sequence.template.fps == 12
-    middles = [(x.min(axis=1) + x.max(axis=1))[:, :2] / 2 for x in (sequence.garment, sequence.body)]
-    assert np.linalg.norm(middles[0] - middles[1], axis=1).max() < 0.1

@@ -4,15 +4,12 @@ meshes.
 
 import numpy as np
 import pytest
-from exchange_example import MESHES, imported, typed
+from exchange_example import MESHES
 
 from garmentbench.errors import UserError
 from garmentbench.importing.meshes.reading import read_both, read_meshes
-from garmentbench.paths import PACKAGE
 
 CLOTH, BODY = MESHES["garment"], MESHES["body"]
-CASES = PACKAGE.parents[1] / "shared" / "data" / "cases"
-needs_cases = pytest.mark.skipif(not CASES.is_dir(), reason="the inputs in ../shared/data/cases are not there")
 
 
 def stage(path):
@@ -182,13 +179,3 @@ def test_alembic_meshes_of_both_kinds_and_mirrored(tmp_path, schema, scale):
     np.testing.assert_allclose(mesh.frames, CLOTH.frames * np.float32([scale, 1, 1]), atol=1e-6)
     assert volume(mesh.frames[0], mesh.faces) == pytest.approx(volume(CLOTH.frames[0], CLOTH.faces), rel=1e-4)
     assert (mesh.notes == ()) == (scale > 0)
-
-
-@needs_cases
-def test_case_of_a_skinned_body(tmp_path, capsys):
-    pytest.importorskip("pxr")
-    code, out, err = typed(capsys, "import", CASES / "06-usd-skinned-body" / "u_skel.usdc", "--out", tmp_path / "x.h5")
-    assert code == 0 and err == [] and "baked" in out
-    body = imported(tmp_path / "x.h5").body
-    middle = (body.min(axis=1) + body.max(axis=1)) / 2
-    assert np.linalg.norm(middle[-1] - middle[0]) == pytest.approx(0.95, abs=0.05)

@@ -18,12 +18,9 @@ from garmentbench.importing.motions.findings import findings
 from garmentbench.importing.motions.load import Choices, ImportedClip, import_clip
 from garmentbench.importing.motions.names import ROLES, map_names
 from garmentbench.importing.motions.recording import world
-from garmentbench.paths import PACKAGE
 from garmentbench.scenes.bodies import load_body
 
 BASE = load_body("base", "small")
-CASES = PACKAGE.parents[1] / "shared" / "data" / "cases"
-needs_cases = pytest.mark.skipif(not CASES.is_dir(), reason="the inputs in ../shared/data/cases are not there")
 
 
 def written(folder: Path, text: str | bytes, name: str = "walk.bvh") -> Path:
@@ -34,10 +31,6 @@ def written(folder: Path, text: str | bytes, name: str = "walk.bvh") -> Path:
 
 def imported(path: Path, **choices) -> ImportedClip:
     return import_clip(path, BASE, 30.0, Choices(**choices))
-
-
-def case(folder: str, name: str, **choices) -> ImportedClip:
-    return imported(CASES / folder / name, **choices)
 
 
 def walk(frames: int = 40) -> bvh_example.Moving:
@@ -294,24 +287,3 @@ def test_amass_by_other_names_is_the_same(tmp_path):
     np.savez(tmp_path / "none.npz", labels=np.zeros(3))
     with pytest.raises(UserError, match="'poses' is missing .*wanted poses"):
         imported(tmp_path / "none.npz")
-
-
-@needs_cases
-def test_cases_of_hips_below_a_root():
-    jumps = [case("01-bvh-hips-below-root", f"{name}.bvh").clip for name in ("b_jump", "b_jumpwrap")]
-    for clip in jumps:
-        assert clip.root[:, 2].max() - np.median(clip.root[:, 2]) == pytest.approx(0.445, abs=0.005)
-    paths = [case("18-bvh-last-frame", "b_base.bvh").clip, case("01-bvh-hips-below-root", "b_wrap.bvh").clip]
-    np.testing.assert_allclose(paths[0].rotations, paths[1].rotations, atol=1e-6)
-    np.testing.assert_allclose(paths[0].root, paths[1].root, atol=1e-6)
-
-
-@needs_cases
-def test_cases_of_frames_marks_and_faults():
-    assert [len(case("14-bvh-frame-count", n).clip) for n in ("b_fewer.bvh", "b_bom.bvh")] == [100, 100]
-    assert len(case("18-bvh-last-frame", "b_base.bvh").clip) == 100
-    for name in ("am_obj", "am_split", "am_smplkeys"):
-        assert len(case("12-amass-object-array", f"{name}.npz").clip) == 90
-    dip, cut = (case("19-bvh-stop-keeps-fault", n, stop=1.9).clip for n in ("b_dip.bvh", "b_dipcut.bvh"))
-    np.testing.assert_allclose(dip.root, cut.root, atol=1e-9)
-    assert dip.standing[:, 1].all()
