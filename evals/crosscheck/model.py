@@ -89,6 +89,7 @@ def newton_model(
     builder.color(include_bending=True)
     model: Any = builder.finalize(device="cpu")  # whose arrays are all typed as perhaps absent
     model.soft_contact_ke, model.soft_contact_kd, model.soft_contact_mu = stiffness, damping, material.friction
+    _cut_to_pattern(model, fabric)
     hinge = vbd.bending * hinge_stiffness(fabric, model.edge_indices.numpy())
     model.edge_bending_properties.assign(np.stack([hinge, material.bend_damping * hinge], axis=1).astype(np.float32))
     model.edge_rest_angle.zero_()
@@ -96,6 +97,24 @@ def newton_model(
         model.shape_collision_aabb_lower.fill_(-1e3)  # a mesh moves: its first box must not hide it
         model.shape_collision_aabb_upper.fill_(1e3)
     return model, [mesh.mesh for mesh in meshes]
+
+
+def _cut_to_pattern(model: Any, fabric: Fabric) -> None:
+    """Give triangles and hinges their sizes without load; Newton took them from the shape in which cloth is put on."""
+    b, c = (fabric.corners[:, k] - fabric.corners[:, 0] for k in (1, 2))
+    width, area = np.linalg.norm(b, axis=1), np.linalg.norm(np.cross(b, c), axis=1) / 2
+    along = (b * c).sum(axis=1) / width
+    sides = np.stack([np.stack([width, along], axis=1), np.stack([0 * width, 2 * area / width], axis=1)], axis=1)
+    model.tri_poses.assign(np.linalg.inv(sides).astype(np.float32))
+    model.tri_areas.assign(area.astype(np.float32))
+    model.edge_rest_length.assign(rest_length(fabric, model.edge_indices.numpy()[:, 2:]).astype(np.float32))
+
+
+def rest_length(fabric: Fabric, ends: np.ndarray) -> np.ndarray:
+    """Lengths without load [m], shape (N,), of edges given by the particles at their ends, shape (N, 2)."""
+    count = len(fabric.mass)
+    own, asked = (np.sort(pairs, axis=1).astype(np.int64) @ [count, 1] for pairs in (fabric.edges, ends))
+    return fabric.length[np.searchsorted(own, asked)]
 
 
 def hinge_stiffness(fabric: Fabric, edges: np.ndarray) -> np.ndarray:
@@ -106,7 +125,7 @@ def hinge_stiffness(fabric: Fabric, edges: np.ndarray) -> np.ndarray:
     count = len(fabric.mass)
     ends = np.sort(fabric.stencils[:, :2], axis=1).astype(np.int64)
     own, theirs = ends @ [count, 1], np.sort(edges[:, 2:], axis=1).astype(np.int64) @ [count, 1]
-    length = np.linalg.norm(fabric.rest[ends[:, 0]] - fabric.rest[ends[:, 1]], axis=1)
+    length = rest_length(fabric, ends)
     order = np.argsort(own)
     at = np.minimum(np.searchsorted(own[order], theirs), len(own) - 1)
     found = own[order][at] == theirs
