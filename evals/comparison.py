@@ -1,7 +1,8 @@
 """Methods trained on some scenes and tested on others, and the table of their accuracy: most experiments are this."""
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,8 @@ from garmentbench.report.lines import REFERENCE, Line, Value, label, order
 from garmentbench.report.table import Cell, Table
 from garmentbench.scenes.presets import Preset
 from garmentbench.scenes.scene import Scene
+from garmentbench.scenes.training_sets import expanded
+from garmentbench.scenes.training_sets import title as training_title
 from garmentbench.storage.jobs import Job, Reused
 from garmentbench.storage.runs import Run, RunStore
 
@@ -57,7 +60,8 @@ class Entry:
     Attributes:
         method: A method's name, "module:Class", or the class itself.
         variant: "full", or one of the method's `VARIANTS`.
-        train_frames: How many frames of each training scene it is trained on, from the first on.
+        train_frames: How many frames of each training scene it is trained on, from the first on; of a training set as
+            many as that says.
     """
 
     method: str | type[Method]
@@ -83,10 +87,16 @@ class Trial:
     train: tuple[Source, ...]
     seed: int
     test: Source
+    lengths: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def train_scenes(self) -> str:
-        return "+".join(scene.name for scene in self.train)
+        return training_title([scene.name for scene in self.train])
+
+    def train_frames(self, preset: Preset) -> int:
+        """Frames of each training scene; where a training set says how many, of all together."""
+        taken = [preset.mesh.limited(self.lengths.get(scene.name, self.entry.train_frames)) for scene in self.train]
+        return sum(taken) if self.lengths else taken[0]
 
     @property
     def trained(self) -> tuple:
@@ -102,7 +112,7 @@ class Comparison(Experiment):
     """Entries trained on some scenes and tested on others; a line of the table is computed once, whoever shares it.
 
     Attributes:
-        train: The training scenes, or sequence files.
+        train: The training scenes, sequence files, or a garment's training sets ("dress@varied").
         tests: The test scenes or files, a table each.
         entries: The lines.
     """
@@ -112,12 +122,13 @@ class Comparison(Experiment):
     entries: tuple[Entry, ...]
 
     def work(self, preset: Preset, seeds: int) -> Work:
-        train, tests = (tuple(resolve_source(name) for name in names) for names in (self.train, self.tests))
+        scenes, lengths = expanded(self.train)
+        train, tests = (tuple(resolve_source(name) for name in names) for names in (scenes, self.tests))
         choices = {entry: pipeline.choose_method(entry.method, entry.variant, preset) for entry in self.entries}
         self._require_names_of_their_own(choices)
         self._require_frames(train)
         trials = [
-            Trial(entry, choice, train, seed, test)
+            Trial(entry, choice, train, seed, test, lengths)
             for test in tests
             for entry, choice in choices.items()
             for seed in range(seeds if choice.random else 1)
@@ -159,14 +170,13 @@ class Comparison(Experiment):
     def trial_rows(self, trial: Trial, preset: Preset, results: dict[tuple, Any]) -> list[Row]:
         """The rows of one trial: what its run measured, or that it failed."""
         entry, scene = trial.entry, trial.test
-        frames = preset.mesh.limited(entry.train_frames)
         columns = about(
             self.table,
             preset,
             scene,
             trial.choice.name,
             variant=entry.label,
-            train_frames=frames,
+            train_frames=trial.train_frames(preset),
             seed=trial.seed,
             train_scenes=trial.train_scenes,
         )
@@ -193,7 +203,8 @@ class Comparison(Experiment):
 
     def label(self, line: Line) -> str:
         """A line's name for people; a training set of several scenes is said, since others may stand beside it."""
-        several = f" (trained on {line.train_scenes.replace('+', ' + ')})" if "+" in line.train_scenes else ""
+        named = any(mark in line.train_scenes for mark in "+@")
+        several = f" (trained on {line.train_scenes.replace('+', ' + ')})" if named else ""
         return label(line) + several
 
     def order(self, line: Line) -> tuple:
@@ -248,7 +259,7 @@ def _simulate(source: Source, preset: Preset) -> Path | Reused:
 def _train(*inputs: Any) -> str | Reused:
     *_, trial, preset = inputs
     frames = trial.entry.train_frames
-    return _id(pipeline.train(trial.choice, trial.train, preset, frames, trial.seed, RunStore()))
+    return _id(pipeline.train(trial.choice, trial.train, preset, frames, trial.seed, RunStore(), trial.lengths))
 
 
 def _evaluate(trained: str, _: Path, trial: Trial, preset: Preset) -> str | Reused:
@@ -301,12 +312,17 @@ def accuracy_table(found: list[Line], title: str) -> Table:
     first = found[0]
     return Table(
         f"{first.experiment}-{first.scene}",
-        f"{title}: {first.garment.replace('_', ' ')}, {first.motion}",
+        f"{title}: {first.garment.replace('_', ' ')}, {first.motion}{_role(first)}",
         _caption(found, unsettled, any(cell.bold for row in rows for cell in row)),
         header,
         rows,
         frozenset({0, len(header) - 1}),
     )
+
+
+def _role(line: Line) -> str:
+    """What a scene is where it is no test: settings are chosen on it."""
+    return " (validation, no test)" if (line.rows.split == "validation").any() else ""
 
 
 def errors(found: list[Line]) -> list[Column]:

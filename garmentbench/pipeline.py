@@ -8,7 +8,7 @@ import os
 import sys
 import tempfile
 import traceback
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -143,9 +143,17 @@ def _wearer(scene: Scene) -> str:
 
 
 def train(
-    choice: MethodChoice, sources: Sequence[Source], preset: Preset, frames: int, seed: int, store: RunStore
+    choice: MethodChoice,
+    sources: Sequence[Source],
+    preset: Preset,
+    frames: int,
+    seed: int,
+    store: RunStore,
+    lengths: Mapping[str, int] | None = None,
 ) -> Run:
     """Train a method on the first `frames` of each of one or more sources (fewer where the preset limits them).
+
+    Of the sources named in `lengths` it takes as many as that says, as a training set does.
 
     Returns:
         The finished run; the trained method is in its folder "method".
@@ -159,7 +167,7 @@ def train(
         raise UsageError(
             f"train: {frames} frames asked for; wanted more than {HISTORY}, which are the history of the next"
         )
-    frames = preset.mesh.limited(frames)
+    counts = [preset.mesh.limited((lengths or {}).get(source.name, frames)) for source in sources]
     references = [make_reference(source, preset) for source in sources]
     identity = {
         "method": choice.name,
@@ -167,7 +175,7 @@ def train(
         "variant": choice.variant,
         "train_scenes": [reference.name for reference in references],
         "preset": preset.name,
-        "train_frames": frames,
+        "train_frames": counts[0] if len(set(counts)) == 1 else counts,
         "seed": seed if choice.random else 0,
         "config": choice.config,
         "data": [sequence_file.content_hash(reference.path) for reference in references],
@@ -176,7 +184,7 @@ def train(
     }
     with store.open("train", identity) as run:
         if not run.finished:
-            sequences = tuple(_first_frames(reference.path, frames) for reference in references)
+            sequences = tuple(_first_frames(r.path, count) for r, count in zip(references, counts, strict=True))
             for name, sequence in zip(identity["train_scenes"][1:], sequences[1:], strict=True):
                 _require_same_meshes(identity["train_scenes"][0], sequences[0], name, sequence)
             folder = run.folder / "method"

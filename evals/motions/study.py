@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 CHOICE = ("tshirt-*", "body=base")
 KEY = (MOTIONS,)
-CAPTION = "Poses of all motions, nearest ones side by side (t-SNE). Large: what methods are trained on."
+CAPTION = "Poses of all motions, nearest ones side by side (t-SNE). Large: the two that most is trained on."
 
 
 def distribute(preset: Preset) -> str:

@@ -11,6 +11,7 @@ from garmentbench.report.table import Cell, Table
 
 MOTIONS = "motions"
 POINTS = "motions.npz"  # in the run's folder: a motion's points on the plane, shape (poses, 2), under its label
+SPLITS = ("train", "validation", "test")
 TRAINED = ("armspace-75", "dance-latin")
 APART = "apart_from:"  # a metric's name is this and a training motion's
 
@@ -26,18 +27,18 @@ def motion_label(scene: str) -> str:
 def motions_table(lines: list[Line]) -> Table:
     """Distances of each motion's poses from the nearest training pose.
 
-    Those trained on first, then the nearest first.
+    Those trained on first, then those that settings are chosen on; the nearest first.
     """
     rows = []
     for line in lines:
         values = [line.value(APART + name) for name in TRAINED]
         apart = [math.nan if value is None else value.mean for value in values]
         rows.append((line.rows.split.iloc[0], min(apart), line, apart))
-    rows.sort(key=lambda row: (row[0] != "train", row[1], row[2].scene))
+    rows.sort(key=lambda row: (SPLITS.index(row[0]), row[1], row[2].scene))
     return Table(
         MOTIONS,
         "Motions",
-        "How far the poses of each motion are from the nearest pose of a motion that methods are trained on: mean "
+        "How far the poses of each motion are from the nearest pose of the two motions that most is trained on: mean "
         "distance of 64 points on the base body, whatever its place and heading. The map shows the same poses, nearest "
         "ones side by side (t-SNE, in the manner of figure 5 of the paper; its axes have no unit and distances between "
         "far groups no meaning).",

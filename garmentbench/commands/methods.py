@@ -1,6 +1,7 @@
 """Commands about methods: list, check, train, evaluate."""
 
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
@@ -67,15 +68,17 @@ class Train:
 
     Example: garmentbench train motion_guided --scene tshirt-armspace-75 --preset smoke
     Example: garmentbench train linear_subspace --scene tshirt-armspace-75 --scene tshirt-dance-latin
+    Example: garmentbench train subspace_network --scene dress@varied
 
     Attributes:
         method: A method's name, or module:Class (in an installed package or in the working folder).
-        scene: Scene to train on, or a sequence file (.h5). Several of the same garment may be given, each with --scene;
-            tshirt-armspace-75 if none is.
+        scene: Scene to train on, a sequence file (.h5), or a garment's training set, GARMENT@SET, the sets being walk,
+            dance, walk-dance, walk-bodies, varied and your own. Several of the same garment may be given, each with
+            --scene; tshirt-armspace-75 if none is.
         preset: Size: smoke, laptop or paper.
         mesh: Another size of garment and body than the preset's.
         model: Another size of the method's network than the preset's.
-        frames: How many frames of each scene to train on, from the first on.
+        frames: How many frames of each scene to train on, from the first on; a training set says so itself.
         variant: "full", or one of the method's variants (`garmentbench methods`).
         seed: Random seed.
         device: auto, cpu or cuda.
@@ -92,11 +95,8 @@ class Train:
     device: str = "auto"
 
     def run(self) -> None:
-        from garmentbench.reference import resolve_source
-
         size = _ready(self)
-        sources = [resolve_source(name) for name in self.scene or ("tshirt-armspace-75",)]
-        run = _trained(self, size, sources)
+        run = _trained(self, size, *_training(self.scene or ("tshirt-armspace-75",)))
         print(f"{run.id}: {run.folder}")
 
 
@@ -113,13 +113,14 @@ class Evaluate:
 
     Attributes:
         method: A method's name, module:Class, or the id of a training's run (train-...), evaluated as it is.
-        train_scene: Scene that it was, or will be, trained on, or a sequence file (.h5). Several of the same garment
-            may be given, each with --train-scene. If none is: the first training scene of the garment in --scene.
+        train_scene: Scene that it was, or will be, trained on, a sequence file (.h5) or a training set, GARMENT@SET.
+            Several of the same garment may be given, each with --train-scene. If none is: the first training scene of
+            the garment in --scene.
         scene: Scene to evaluate on, or a sequence file (.h5).
         preset: Size: smoke, laptop or paper.
         mesh: Another size of garment and body than the preset's.
         model: Another size of the method's network than the preset's.
-        frames: How many frames of each scene to train on, from the first on.
+        frames: How many frames of each scene to train on, from the first on; a training set says so itself.
         variant: "full", or one of the method's variants (`garmentbench methods`).
         seed: Random seed of the training.
         device: auto, cpu or cuda.
@@ -144,12 +145,13 @@ class Evaluate:
         from garmentbench.storage.runs import RunStore
 
         size = _ready(self)
-        source, training = resolve_source(self.scene), [resolve_source(name) for name in self.train_scene]
+        source = resolve_source(self.scene)
+        training, lengths = _training(self.train_scene)
         if self.method.startswith("train-"):
             trained = RunStore().get(self.method)
         else:
             training = training or [default_training_scene(load_method(self.method), source)]
-            trained = _trained(self, size, training)
+            trained = _trained(self, size, training, lengths)
         try:
             run = evaluate(trained, source, size, RunStore())
         except OtherGarmentError as e:
@@ -179,9 +181,18 @@ def _ready(options: Train | Evaluate) -> "Preset":
     return size
 
 
-def _trained(options: Train | Evaluate, size: "Preset", sources: list["Source"]) -> "Run":
+def _training(words: Sequence[str]) -> tuple[list["Source"], dict[str, int]]:
+    """The training sources that words stand for, and how many frames of those in training sets are taken."""
+    from garmentbench.reference import resolve_source
+    from garmentbench.scenes.training_sets import expanded
+
+    names, lengths = expanded(words)
+    return [resolve_source(name) for name in names], lengths
+
+
+def _trained(options: Train | Evaluate, size: "Preset", sources: list["Source"], lengths: dict[str, int]) -> "Run":
     from garmentbench.pipeline import choose_method, train
     from garmentbench.storage.runs import RunStore
 
     choice = choose_method(options.method, options.variant, size)
-    return train(choice, sources, size, options.frames, options.seed, RunStore())
+    return train(choice, sources, size, options.frames, options.seed, RunStore(), lengths)

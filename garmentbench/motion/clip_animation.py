@@ -1,5 +1,6 @@
 """A body in a recorded motion: from the A-pose into the first pose of the scene's clip, then the clip."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from garmentbench.scenes.scene import Scene
 WARM_UP = 60  # frames before frame 0
 _POSED = 30  # frames from the start until the pose is the clip's
 _MORPHED = 25  # frames from the start until the shape is the scene's
-_RUN_UP = (WARM_UP - _POSED) / 2  # frames of the clip that are played, ever faster, before frame 0
+RUN_UP = (WARM_UP - _POSED) // 2  # frames of the clip that are played, ever faster, before frame 0
 _DRESSED = "base"  # the shape that garments are made for, in which every warm-up begins
 
 
@@ -29,13 +30,38 @@ def animate_clip(scene: Scene, size: str, frames: int) -> Animation:
     first pose and the scene's shape; then the clip starts. Frame 0 shows it half a second after its start.
     Raises `UserError` where the clip is too short, and as `load_clip`.
     """
-    when = _clip_frames(scene, frames)
+    motion, last = scene.motion, clip_frames(scene, frames)[-1]
+    assert motion.file is not None, "a motion of ours has no file"
+    file = Path(motion.file)
+
+    def loaded(baked: BakedBody) -> Clip:
+        clip = load_clip(file, baked, scene.fps, motion.start, motion.stop, motion.arm_space)
+        if last > len(clip) - 1:
+            fit = int((len(clip) - 1) / motion.speed - RUN_UP) + 1
+            raise UserError(
+                f"scene {scene.name}: {scene.frames} frames asked for; {motion.file} has {max(fit, 0)} at "
+                f"{scene.fps:g} a second after its first half second; lower frames or take a longer clip"
+            )
+        return clip
+
+    return animate_middle(scene, size, frames, loaded)
+
+
+def animate_middle(scene: Scene, size: str, frames: int, clip_of: Callable[[BakedBody], Clip]) -> Animation:
+    """The scene's body in a clip that begins in the middle of a motion, after the warm-up that leads there.
+
+    Args:
+        scene, size, frames: As for `animate_clip`.
+        clip_of: The motion on a body, from `RUN_UP` frames before frame 0 on, as long as `clip_frames` asks for.
+    """
+    when = clip_frames(scene, frames)
     baked = load_body(scene.body, size)
-    positions = _vertices(scene, baked, when)
+    positions = _vertices(clip_of(baked), baked, when, scene.fps)
     if scene.body != _DRESSED:
+        base = load_body(_DRESSED, size)
         share = smoothstep(np.arange(_MORPHED) / _MORPHED)[:, None, None]
-        base = _vertices(scene, load_body(_DRESSED, size), when[:_MORPHED])
-        positions[:_MORPHED] = base + share * (positions[:_MORPHED] - base)
+        start = _vertices(clip_of(base), base, when[:_MORPHED], scene.fps)
+        positions[:_MORPHED] = start + share * (positions[:_MORPHED] - start)
     return Animation(baked.body, place(positions, scene.motion), WARM_UP)
 
 
@@ -64,24 +90,15 @@ def load_clip(
     return plant(turn_out(clip.frames(first, last + 1), arm_space, baked), baked)
 
 
-def _clip_frames(scene: Scene, frames: int) -> np.ndarray:
+def clip_frames(scene: Scene, frames: int) -> np.ndarray:
     """Which frame of the clip each frame shows, shape (WARM_UP + T,)."""
-    start = _RUN_UP * rolling_start((np.arange(WARM_UP) - WARM_UP) / _RUN_UP + 1)
-    played = _RUN_UP + played_frames(np.arange(frames), scene.motion.freeze_after, scene.fps)
+    start = RUN_UP * rolling_start((np.arange(WARM_UP) - WARM_UP) / RUN_UP + 1)
+    played = RUN_UP + played_frames(np.arange(frames), scene.motion.freeze_after, scene.fps)
     return scene.motion.speed * np.concatenate([start, played])
 
 
-def _vertices(scene: Scene, baked: BakedBody, when: np.ndarray) -> np.ndarray:
-    motion = scene.motion
-    assert motion.file is not None, "a motion of ours has no file"
-    clip = load_clip(Path(motion.file), baked, scene.fps, motion.start, motion.stop, motion.arm_space)
-    if when[-1] > len(clip) - 1:
-        fit = int((len(clip) - 1) / scene.motion.speed - _RUN_UP) + 1
-        raise UserError(
-            f"scene {scene.name}: {scene.frames} frames asked for; {scene.motion.file} has {max(fit, 0)} at "
-            f"{scene.fps:g} a second after its first half second; lower frames or take a longer clip"
-        )
-    return pose_exact(baked, *_from_rest(clip.from_origin(0).at(when, scene.fps), baked))
+def _vertices(clip: Clip, baked: BakedBody, when: np.ndarray, fps: float) -> np.ndarray:
+    return pose_exact(baked, *_from_rest(clip.from_origin(0).at(when, fps), baked))
 
 
 def _from_rest(clip: Clip, baked: BakedBody) -> tuple[np.ndarray, np.ndarray]:

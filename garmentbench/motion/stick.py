@@ -92,7 +92,8 @@ def animate_stick(scene: Scene, frames: int) -> Animation:
 def _pose(scene: Scene, frames: int) -> tuple[np.ndarray, np.ndarray]:
     """Position of the stick's middle against rest [m], shape (T, 3), and its rotation, shape (T, 3, 3)."""
     frame = np.arange(-WARM_UP, frames)
-    seconds = played_frames(frame, scene.motion.freeze_after, scene.fps) * scene.motion.speed / scene.fps
+    played = played_frames(frame, scene.motion.freeze_after, scene.fps)
+    seconds = scene.motion.start + played * scene.motion.speed / scene.fps
     ease = smoothstep(1 + frame / WARM_UP)
     sway = {
         name: np.sum([a * np.sin(2 * np.pi * f * seconds + phase) for a, f, phase in waves], axis=0)

@@ -16,6 +16,7 @@ from garmentbench.report.lines import Line, Results
 from garmentbench.report.page import Picture, Section
 from garmentbench.report.plots import STYLE, logarithmic, style, svg
 from garmentbench.report.table import Cell, Table
+from garmentbench.scenes.training_sets import MARK, title
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -108,10 +109,14 @@ def command(record: dict[str, Any]) -> str:
     if record.get("kind") != "evaluate":
         return f"garmentbench evals {record.get('kind', '')} --preset {identity.get('preset', '')}" if record else ""
     scenes = identity.get("train_scenes", [])
+    options = [("scene", "scene"), ("frames", "train_frames"), ("variant", "variant"), ("seed", "seed")]
+    if MARK in title(scenes):
+        scenes = [title(scenes)]
+        options.remove(("frames", "train_frames"))  # the set says so itself
     words = ["garmentbench", "evaluate", _typed(identity)]
     for scene in scenes:
         words += ["--train-scene", scene]
-    for option, key in (("scene", "scene"), ("frames", "train_frames"), ("variant", "variant"), ("seed", "seed")):
+    for option, key in options:
         if identity.get(key) not in (None, "full", 0):  # those are what the command takes anyhow
             words += [f"--{option}", str(identity[key])]
     return shlex.join([*words, "--preset", str(identity["preset"])])

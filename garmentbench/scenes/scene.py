@@ -8,7 +8,8 @@ from msgspec import Meta
 from garmentbench.scenes.material import Material, Settings
 
 BASE = "base"  # the body that garments are made for; a scene's name is silent about it
-Split = Literal["train", "test"]
+FPS = 30.0  # frames a second, where a scene says nothing else
+Split = Literal["train", "validation", "test"]
 Frames = Annotated[int, Meta(ge=4)]
 
 
@@ -24,7 +25,8 @@ class Motion:
         turn: ... after a turn about the vertical axis [degrees].
         file: Of the motion "clip": the clip's file (.npz, made by `garmentbench import-motion`); in the scene's file
             relative to it.
-        start, stop: Only this part of the clip [s]; None: to its end.
+        start: Where in the motion frame 0 is [s]; the warm-up then leads into its middle.
+        stop: Where the clip ends [s]; None: where its file does.
         arm_space: The clip's hanging arms turned outward by this [degrees].
     """
 
@@ -34,7 +36,7 @@ class Motion:
     translate: tuple[float, float, float] = (0.0, 0.0, 0.0)
     turn: float = 0.0
     file: str | None = None
-    start: float = 0.0
+    start: Annotated[float, Meta(ge=0)] = 0.0
     stop: float | None = None
     arm_space: float = 0.0
 
@@ -65,7 +67,7 @@ class Scene:
         garment: A baked garment, e.g. "tshirt" or "sheet", or what the one of `mesh` is called.
         body: "base", "slim", "heavy", or "stick" (an object, no human).
         motion: How it moves.
-        split: "train" or "test".
+        split: "train", "validation" (settings are chosen on it, and it is never reported as a test) or "test".
         frames: Length [frames], before a preset's limit.
         fps: Frames a second.
         material: What the garment is made of.
@@ -81,7 +83,7 @@ class Scene:
     motion: Motion
     split: Split
     frames: Frames
-    fps: Annotated[float, Meta(ge=1, le=1000)] = 30.0
+    fps: Annotated[float, Meta(ge=1, le=1000)] = FPS
     material: Material = Material()
     simulation: Settings = Settings()
     worn_over: "Scene | None" = None

@@ -14,18 +14,30 @@ from garmentbench.errors import UserError, unknown_name
 from garmentbench.scenes.bodies import body_names
 from garmentbench.scenes.fabrics import resolved
 from garmentbench.scenes.garments import garment_names
-from garmentbench.scenes.material import Material, Settings
-from garmentbench.scenes.scene import BASE, Frames, MeshFile, Motion, Scene, Split
+from garmentbench.scenes.material import Count, Material, Settings
+from garmentbench.scenes.scene import BASE, FPS, Frames, MeshFile, Motion, Scene, Split
 from garmentbench.storage.atomic import write_text
 from garmentbench.storage.typed_toml import read_toml, typed
 
 
 @dataclass(frozen=True)
 class MotionEntry:
-    """A motion of the grid: its split, and how many frames its scenes have."""
+    """A motion of the grid, or a part of one.
+
+    Attributes:
+        split: Of its scenes.
+        frames: How many frames its scenes have.
+        motion: The motion that this is a part of; None for the one of the entry's name.
+        start: The frame of that motion with which the part begins.
+        kind: What kind of motion it is: a method that was trained on one of a kind has seen the kind. None for the
+            motion's name.
+    """
 
     split: Split
     frames: Frames
+    motion: str | None = None
+    start: Count = 0
+    kind: str | None = None
 
 
 @dataclass(frozen=True)
@@ -67,12 +79,26 @@ class GarmentEntry:
 
 
 @dataclass(frozen=True)
+class TrainingSet:
+    """Scenes that methods are trained on together: some motions on some bodies.
+
+    Attributes:
+        frames: How many frames of each motion, from the first on.
+        bodies: On which bodies.
+    """
+
+    frames: dict[str, Frames]
+    bodies: tuple[str, ...] = (BASE,)
+
+
+@dataclass(frozen=True)
 class Wardrobe:
-    """Garments, bodies and motions, of which every combination is a scene."""
+    """Garments, bodies and motions, of which every combination is a scene, and named sets of them."""
 
     motions: dict[str, MotionEntry] = field(default_factory=dict)
     bodies: dict[str, BodyEntry] = field(default_factory=dict)
     garments: dict[str, GarmentEntry] = field(default_factory=dict)
+    training_sets: dict[str, TrainingSet] = field(default_factory=dict)
 
     def scenes(self) -> dict[str, tuple[str, str, str]]:
         """Garment, motion and body of every scene, by its name."""
@@ -89,15 +115,17 @@ class Wardrobe:
         plan, wearer, wears = self.motions[motion], self.bodies.get(body, BodyEntry()), self.garments[garment]
         lengths = wears.frames if body == BASE else wearer.frames
         frames, split = lengths.get(motion, plan.frames), wearer.split or plan.split
-        scene = Scene(scene_name(garment, motion, body), garment, body, Motion(motion), split, frames)
-        return self.wearing(wears.worn(scene))
+        moves = Motion(plan.motion or motion, start=plan.start / FPS)
+        scene = Scene(scene_name(garment, motion, body), garment, body, moves, split, frames, FPS)
+        return self.wearing(wears.worn(scene), motion)
 
-    def wearing(self, scene: Scene) -> Scene:
-        """The scene with its garment over what the wardrobe says that it is worn over."""
+    def wearing(self, scene: Scene, motion: str | None = None) -> Scene:
+        """The scene with its garment over what the wardrobe says that it is worn over. motion: The grid's, if another
+        than the scene's motion is called."""
         beneath = self.entry(scene.garment).worn_over
         if beneath is None:
             return scene
-        name = scene_name(beneath, scene.motion.name, scene.body)
+        name = scene_name(beneath, motion or scene.motion.name, scene.body)
         return replace(scene, worn_over=self.entry(beneath).worn(replace(scene, name=name, garment=beneath)))
 
     def entry(self, garment: str) -> GarmentEntry:
@@ -141,9 +169,9 @@ def wardrobe() -> Wardrobe:
         for name in entries:
             if name in getattr(suite, table) or (table == "garments" and name in garment_names()):
                 raise UserError(f"{path}: {table}.{name} is the suite's name; call yours something else")
-    for name in own.motions:
-        if name not in (known := _motions()):
-            raise UserError(f"{path}: motions: {unknown_name('motion', name, known)}")
+    for name, entry in own.motions.items():
+        if (moves := entry.motion or name) not in (known := _motions()):
+            raise UserError(f"{path}: motions: {unknown_name('motion', moves, known)}")
     for name in own.bodies:
         if name not in body_names():
             raise UserError(f"{path}: bodies: {unknown_name('body', name, body_names())}")
@@ -168,7 +196,8 @@ def _suite() -> Wardrobe:
 def _motions() -> set[str]:
     """The human's motions: every one is in some scene of the suite."""
     tables = [table for table in map(read_toml, paths.SCENES.glob("*.toml")) if table["body"] in body_names()]
-    return {*_suite().motions, *(table["motion"] for table in tables if isinstance(table["motion"], str))}
+    grid = (entry.motion or name for name, entry in _suite().motions.items())
+    return {*grid, *(table["motion"] for table in tables if isinstance(table["motion"], str))}
 
 
 def read_wardrobe(path: Path) -> Wardrobe:

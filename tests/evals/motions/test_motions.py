@@ -98,8 +98,8 @@ def test_the_report_has_table_and_map_and_is_remade_byte_for_byte(study):
         "---",
         "armspace-75",
         "dance-latin",
-        "armspace-60",
         "jump",
+        "armspace-60",
     ]
     svg = before["motions.svg"].decode()
     assert svg.startswith("<?xml") and 'src="plots/motions.svg"' in (folder / "index.html").read_text()

@@ -146,10 +146,10 @@ def test_a_baked_garment_read_as_a_file_is_the_same(tmp_path):
 def test_an_entry_of_the_own_wardrobe_makes_the_whole_grid(home, capsys):
     """... of scenes; the mesh is named relative to the file, and counts by its contents, not by where it lies."""
     entry = '[garments.poncho]\nmesh = {file = "poncho.obj", pins = "collar"}\nmaterial = {bending = 1e-4}\n'
-    (home / "wardrobe.toml").write_text(entry + "[motions]\nrun = {split = 'test', frames = 30}\n[bodies.tall]\n")
-    names = {"poncho-armspace-75", "poncho-catwalk-slim", "poncho-run-tall", "dress-run"}
+    (home / "wardrobe.toml").write_text(entry + "[motions]\nstill = {split = 'test', frames = 30}\n")
+    names = {"poncho-armspace-75", "poncho-catwalk-slim", "poncho-still-tall", "dress-still"}
     assert names <= set(scene_names())
-    scene = resolve_source("poncho-run-tall")
+    scene = resolve_source("poncho-still-tall")
     assert (scene.body, scene.frames, scene.material.bending) == ("tall", 30, 1e-4)
     code, out, _ = typed(capsys, "scenes", "garment=poncho", "split=train")
     assert code == 0 and "poncho-armspace-75" in out
@@ -158,7 +158,7 @@ def test_an_entry_of_the_own_wardrobe_makes_the_whole_grid(home, capsys):
         (home / file).rename(home / "elsewhere" / file)
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("GARMENTBENCH_HOME", str(home / "elsewhere"))
-        moved = load_scene("poncho-run-tall")
+        moved = load_scene("poncho-still-tall")
         assert moved.mesh != scene.mesh and reference_identity(moved, SMOKE)
         first = reference_identity(moved, SMOKE)
         write_poncho(home / "elsewhere" / "poncho.obj", home / "body.obj", scale=1.01)
@@ -199,7 +199,7 @@ def test_a_wrong_entry_is_one_line(home, capsys, entry, complaint):
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
-        (("--motion", "run", "--body", "tall"), "`--garment poncho`, or rename poncho.obj"),
+        (("--motion", "still", "--body", "tall"), "`--garment poncho`, or rename poncho.obj"),
         (("--motion", "catwalk", "--body", "slim"), "`simulate poncho-catwalk-slim`, or rename poncho.obj"),
         (("--motion", "rnu"), "did you mean 'run'"),
         (("--body", "tal"), "did you mean 'tall'"),
