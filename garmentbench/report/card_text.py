@@ -20,6 +20,12 @@ _NOTES = {
     UNCERTAINTY: "Mean distance over vertices and frames when nothing that matters is changed.",
 }
 
+_PURPOSE = {  # of a split
+    "train": "- It is for training: an error on it is a training error.",
+    "validation": "- It is for choosing settings, and is never reported as a test.",
+    "test": "- It is for testing: nothing may be fitted or chosen on it.",
+}
+
 
 def markdown(card: Card) -> str:
     """The card as Markdown."""
@@ -117,9 +123,7 @@ def _how(card: Card) -> list[str]:
     lines = [
         f"`{train}`" if card.split == "train" else f"`{test}`",
         "",
-        "- It is for training: an error on it is a training error."
-        if card.split == "train"
-        else "- It is for testing: nothing may be fitted or chosen on it.",
+        _PURPOSE.get(card.split, _PURPOSE["test"]),
         f"- A roll-out begins with the first {HISTORY} frames as they are and is free from then on; its error is "
         f"reported over {horizons} frames.",
         "- A method sees the body up to the present frame only.",

@@ -42,6 +42,31 @@ def test_warm_up_is_smooth(name):
     assert positions[:, :, 2].min() > -1e-3  # morphing feet may touch the ground
 
 
+@pytest.mark.parametrize(("name", "body"), [("dance-latin", "slim"), ("strut", "base"), ("jump", "tall")])
+def test_a_scene_may_begin_in_the_middle_of_a_motion(name, body):
+    """Its frames are those of the whole one, over the origin and facing -y; its warm-up is as calm as any."""
+    whole = animate(scene(name, body, 312), LAPTOP).positions[WARM_UP + 300 :]
+    animation = animate(scene(name, body, 12, start=10.0), LAPTOP)
+    late = animation.positions[WARM_UP:]
+    middles = whole[0].mean(axis=0), late[0].mean(axis=0)
+    u, _, vt = np.linalg.svd((whole[0] - middles[0]).T @ (late[0] - middles[1]))
+    np.testing.assert_allclose((whole - middles[0]) @ (u @ vt) + middles[1], late, atol=1e-9)
+    assert abs((u @ vt)[2, 2] - 1) < 1e-9  # turned about the vertical alone
+    np.testing.assert_allclose(animation.positions[0], load_body("base", "small").body.rest, atol=1e-9)
+    acceleration = np.diff(animation.positions, n=2, axis=0) * 30**2
+    assert np.linalg.norm(acceleration, axis=-1).max() < 130
+
+
+def test_a_start_within_the_first_half_second_is_told():
+    with pytest.raises(UsageError, match="motion.start is 0.2 s; wanted 0, or 0.5 s at least"):
+        animate(scene(start=0.2), LAPTOP)
+
+
+def test_a_stick_may_begin_in_the_middle_too():
+    whole, late = (animate(scene("stick-a", "stick", n, start=s), LAPTOP) for n, s in ((40, 0.0), (10, 1.0)))
+    np.testing.assert_allclose(late.positions[late.warm_up :], whole.positions[whole.warm_up + 30 :], atol=1e-12)
+
+
 def test_double_speed_is_double_phase():
     once = timing(GAITS["armspace-75"], Motion("armspace-75"), 20, 30.0).phase[WARM_UP:]
     twice = timing(GAITS["armspace-75"], Motion("armspace-75", speed=2.0), 10, 30.0).phase[WARM_UP:]
