@@ -45,14 +45,14 @@ def test_nine_commands_lead_from_a_mesh_to_a_report_and_a_picture(home, capsys):
     write_poncho(folder / "poncho.obj", folder / "body.obj")
     for command in commands[1:]:
         typed(command)
-    assert load_scene("poncho-catwalk-slim").material == Material(bending=3e-3)
+    assert load_scene("poncho-armspace-90-slim").material == Material(bending=3e-3)
     rows = pandas.read_csv(folder / "reports" / "poncho-smoke" / "results.csv")
     tested = rows[(rows.experiment == "poncho") & (rows.metric == "rollout_l2")]
     assert set(tested.method) == {"skinning", "linear_subspace"} and set(tested.status) == {"ok"}
-    assert set(tested.scene) == {"poncho-catwalk-slim"} and set(tested.train_scenes) == {"poncho-armspace-75"}
+    assert set(tested.scene) == {"poncho-armspace-90-slim"} and set(tested.train_scenes) == {"poncho-armspace-75"}
     assert "poncho" in (folder / "reports" / "poncho-smoke" / "index.html").read_text()
     (recording,) = opened
-    assert RunStore().get(recording.parent.name).identity["scene"] == "poncho-catwalk-slim"
+    assert RunStore().get(recording.parent.name).identity["scene"] == "poncho-armspace-90-slim"
     assert "±" in capsys.readouterr().out
 
 
