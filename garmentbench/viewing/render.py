@@ -9,7 +9,7 @@ import numpy as np
 import warp as wp
 
 from garmentbench.device import quiet_warp
-from garmentbench.geometry.mesh import vertex_normals
+from garmentbench.viewing.shading import CREASE, SMOOTH, corner_normals
 
 SKIN = (0.62, 0.62, 0.64)
 CLOTH = (0.33, 0.55, 0.79)
@@ -32,7 +32,7 @@ class RenderMesh:
         vertices: Positions [m], shape (V, 3).
         faces: Triangles, shape (F, 3).
         colour: sRGB colour in [0, 1], shape (3,), or one a vertex, shape (V, 3).
-        cloth: Two-sided, its inner side drawn darker.
+        cloth: Two-sided, its inner side drawn darker; pleats keep their edges.
     """
 
     vertices: np.ndarray
@@ -85,12 +85,15 @@ def render(
     faces = np.concatenate([m.faces + s for m, s in zip(meshes, starts, strict=True)]).astype(np.int32)
     colours = np.concatenate([np.broadcast_to(np.asarray(m.colour), (len(m.vertices), 3)) for m in meshes])
     cloth = np.concatenate([np.full(len(m.faces), m.cloth, np.int32) for m in meshes])
+    normals = np.concatenate(
+        [corner_normals(m.vertices, m.faces, CREASE if m.cloth else SMOOTH) for m in meshes]
+    ).astype(np.float32)
     centre = origin.astype(np.float32)  # rays start at 0: no loss of digits far from the world's origin
     image = wp.zeros((size[1], size[0]), dtype=wp.vec3, device="cpu")
     with wp.ScopedDevice("cpu"):
         mesh = wp.Mesh(wp.array(vertices - centre, dtype=wp.vec3), wp.array(faces.ravel(), dtype=wp.int32))
         arrays = [
-            wp.array(vertex_normals(vertices, faces), dtype=wp.vec3),
+            wp.array(normals, dtype=wp.vec3),
             wp.array(np.power(colours, _GAMMA).astype(np.float32), dtype=wp.vec3),
             wp.array(cloth, dtype=wp.int32),
         ]
@@ -127,7 +130,7 @@ def _shade(normal: wp.vec3, view: wp.vec3, right: wp.vec3, up: wp.vec3) -> float
 @wp.kernel
 def _draw(
     mesh: wp.uint64,
-    normals: wp.array[wp.vec3],
+    normals: wp.array2d[wp.vec3],
     colours: wp.array[wp.vec3],
     cloth: wp.array[wp.int32],
     right: wp.vec3,
@@ -150,7 +153,7 @@ def _draw(
             j = wp.mesh_get_index(mesh, 3 * hit.face + 1)
             k = wp.mesh_get_index(mesh, 3 * hit.face + 2)
             w = 1.0 - hit.u - hit.v
-            normal = wp.normalize(normals[i] * hit.u + normals[j] * hit.v + normals[k] * w)
+            normal = wp.normalize(normals[hit.face, 0] * hit.u + normals[hit.face, 1] * hit.v + normals[hit.face, 2] * w)
             colour = colours[i] * hit.u + colours[j] * hit.v + colours[k] * w
             if wp.dot(hit.normal, ray) > 0.0:
                 normal = -normal
