@@ -1,7 +1,9 @@
 """The paper's moving stick, round which a sheet of cloth winds (figures 9 and 10): a rigid object, no human.
 
-The stick lies along x. The sheet is pinned along its front (towards -y), level with the axis, and hangs down from
-there, so that it is tangent to the stick; turning back about -x winds it up.
+The stick lies along x. In `stick-a`, `-b` and `-c` it rolls: the sheet is pinned along its front (towards -y), level
+with the axis, and hangs down from there, so that it is tangent to the stick; turning back about -x winds it up. In
+`stick-swing-a` and `-b` it only moves and turns about the vertical: what is laid over it hangs on by its weight and
+friction alone.
 """
 
 import numpy as np
@@ -22,7 +24,7 @@ WARM_UP = 60  # frames
 AROUND, ALONG = 12, 37  # vertices of the cylinder
 
 # Sums of sines, (amplitude, frequency [Hz], phase [rad]) each. Sweeps x, y, z in metres; yaw, tilt in degrees about z,
-# y; roll in turns about the stick's axis, 0 unwound and -1 one turn wound up.
+# y; roll in turns about the stick's axis, 0 unwound and -1 one turn wound up. What is left out rests.
 _MOTIONS = {
     "stick-a": {
         "x": [(0.10, 0.23, 0.0), (0.04, 0.61, 1.3)],
@@ -40,8 +42,28 @@ _MOTIONS = {
         "tilt": [(12.0, 0.21, 2.8), (4.0, 0.63, 1.7)],
         "roll": [(0.50, 0.16, 0.4), (0.24, 0.31, 2.6)],
     },
+    "stick-c": {
+        "x": [(0.09, 0.26, 1.2), (0.04, 0.58, 2.6)],
+        "y": [(0.15, 0.28, 1.7), (0.06, 0.71, 0.1)],
+        "z": [(0.08, 0.30, 2.7), (0.03, 0.77, 1.2)],
+        "yaw": [(20.0, 0.21, 1.4), (9.0, 0.49, 0.3)],
+        "tilt": [(11.0, 0.23, 2.0), (4.0, 0.60, 2.9)],
+        "roll": [(0.53, 0.14, 2.2), (0.21, 0.34, 0.2)],
+    },
+    "stick-swing-a": {
+        "x": [(0.13, 0.37, 0.6), (0.05, 0.71, 2.2)],
+        "y": [(0.20, 0.43, 2.3), (0.06, 0.83, 0.4)],
+        "z": [(0.07, 0.31, 1.5), (0.03, 0.67, 0.1)],
+        "yaw": [(38.0, 0.29, 1.8), (12.0, 0.61, 0.9)],
+    },
+    "stick-swing-b": {
+        "x": [(0.15, 0.33, 2.5), (0.04, 0.79, 0.7)],
+        "y": [(0.18, 0.47, 0.9), (0.07, 0.73, 2.8)],
+        "z": [(0.06, 0.39, 0.3), (0.03, 0.63, 2.0)],
+        "yaw": [(34.0, 0.34, 0.2), (14.0, 0.53, 1.6)],
+    },
 }
-_WOUND = -0.6  # turns about which the roll swings
+_WOUND = -0.6  # turns about which the roll swings, where there is one
 
 
 def stick_motions() -> list[str]:
@@ -76,7 +98,7 @@ def _capsule_faces(rings: int) -> np.ndarray:
 
 
 def animate_stick(scene: Scene, frames: int) -> Animation:
-    """The stick in the scene's motion ("stick-a" or "stick-b"). Raises `UsageError` for another name.
+    """The stick in the scene's motion, one of `stick_motions()`. Raises `UsageError` for another name.
 
     The warm-up leads from the rest pose, at rest, into the motion; every movement is rigid.
     """
@@ -95,11 +117,11 @@ def _pose(scene: Scene, frames: int) -> tuple[np.ndarray, np.ndarray]:
     played = played_frames(frame, scene.motion.freeze_after, scene.fps)
     seconds = scene.motion.start + played * scene.motion.speed / scene.fps
     ease = smoothstep(1 + frame / WARM_UP)
-    sway = {
-        name: np.sum([a * np.sin(2 * np.pi * f * seconds + phase) for a, f, phase in waves], axis=0)
-        for name, waves in _MOTIONS[scene.motion.name].items()
-    }
-    sway["roll"] = 360 * (sway["roll"] + _WOUND)
+    sway: dict[str, np.ndarray] = {name: np.zeros(len(frame)) for name in ("x", "y", "z", "yaw", "tilt", "roll")}
+    for name, waves in _MOTIONS[scene.motion.name].items():
+        sway[name] = np.sum([a * np.sin(2 * np.pi * f * seconds + phase) for a, f, phase in waves], axis=0)
+    if "roll" in _MOTIONS[scene.motion.name]:
+        sway["roll"] = 360 * (sway["roll"] + _WOUND)
     centre = ease[:, None] * np.stack([sway[axis] for axis in "xyz"], axis=1)
     angles = ease[:, None] * np.stack([sway["yaw"], sway["tilt"], sway["roll"]], axis=1)
     return centre, Rotation.from_euler("ZYX", angles, degrees=True).as_matrix()

@@ -153,7 +153,8 @@ def _draw(
             j = wp.mesh_get_index(mesh, 3 * hit.face + 1)
             k = wp.mesh_get_index(mesh, 3 * hit.face + 2)
             w = 1.0 - hit.u - hit.v
-            normal = wp.normalize(normals[hit.face, 0] * hit.u + normals[hit.face, 1] * hit.v + normals[hit.face, 2] * w)
+            f = hit.face
+            normal = wp.normalize(normals[f, 0] * hit.u + normals[f, 1] * hit.v + normals[f, 2] * w)
             colour = colours[i] * hit.u + colours[j] * hit.v + colours[k] * w
             if wp.dot(hit.normal, ray) > 0.0:
                 normal = -normal
