@@ -1,4 +1,4 @@
-"""Bake the bodysuit into datasets/garments/bodysuit-{smoke,laptop,paper}.npz.
+"""Bake the bodysuit into datasets/garments/bodysuit-{smoke,laptop,desktop,paper}.npz.
 
 Only needed to remake the assets: `pip install -e .[bake]`, bake the bodies, then
 `python datasets/bake/bake_bodysuit.py`.
@@ -9,10 +9,10 @@ import numpy as np
 from cutting import Pattern, cut, frontness, loosen
 from fitting import Cloth, body_skin
 from garment_file import save
+from sizes import VERTICES
 from surface import Skin
 from tights import SOURCE, fine_tights
 
-VERTICES = {"smoke": 500, "laptop": 1_500, "paper": 21_904}  # wanted, after the split at the seam
 LEGS = 0.92  # [m] height from which they are spread before they are laid flat
 SPREAD = 0.4  # sideways over down
 ABOVE_ANKLES = 0.06  # [m], against the ankle joints
@@ -46,7 +46,7 @@ def spread(points: np.ndarray) -> np.ndarray:
 def main() -> None:
     skin = body_skin()
     cloth = Cloth(*fine_bodysuit(skin))
-    for size, wanted in VERTICES.items():
+    for size, wanted in VERTICES["bodysuit"].items():
         save(f"bodysuit-{size}", cloth.fit(skin, wanted), f"{SOURCE}; made by datasets/bake/bake_bodysuit.py")
 
 

@@ -1,4 +1,4 @@
-"""Bake the dress into datasets/garments/dress-{smoke,laptop,paper}.npz.
+"""Bake the dress into datasets/garments/dress-{smoke,laptop,desktop,paper}.npz.
 
 Only needed to remake the assets: `pip install -e .[bake]`, bake the bodies, then `python datasets/bake/bake_dress.py`.
 Its top, with short sleeves, is cut like the T-shirt; from the waist a cone hangs to the knees.
@@ -10,11 +10,11 @@ from cutting import Pattern, cut, frontness, loosen
 from fitting import Cloth, body_skin
 from garment_file import save
 from scipy.ndimage import gaussian_filter1d
+from sizes import VERTICES
 from surface import Skin, border_loops
 from tights import SOURCE, fine_tights
 from tube import AXIS, WAIST, grid_faces, hull_radius, without_arms
 
-VERTICES = {"smoke": 400, "laptop": 1_500, "paper": 18_000}  # wanted, after the split at the seam; the paper gives none
 HEM = 0.50  # [m] height, at the knees
 ROWS = 48  # of the cone
 CLEARANCE = 0.015  # [m] of the cone off the hull
@@ -66,7 +66,7 @@ def hang(points: np.ndarray, faces: np.ndarray, border: np.ndarray) -> tuple[np.
 def main() -> None:
     skin = body_skin()
     cloth = Cloth(*fine_dress(skin))
-    for size, wanted in VERTICES.items():
+    for size, wanted in VERTICES["dress"].items():
         save(f"dress-{size}", cloth.fit(skin, wanted), f"{SOURCE}; made by datasets/bake/bake_dress.py")
 
 

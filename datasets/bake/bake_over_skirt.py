@@ -1,4 +1,4 @@
-"""Bake the over-skirt into datasets/garments/over_skirt-{smoke,laptop,paper}.npz.
+"""Bake the over-skirt into datasets/garments/over_skirt-{smoke,laptop,desktop,paper}.npz.
 
 Only needed to remake the assets: bake the bodies and the dress, then `python datasets/bake/bake_over_skirt.py`. It is
 worn over the dress: a wider cone from the waist to above the knees.
@@ -8,11 +8,11 @@ import numpy as np
 from fitting import Cloth, body_skin
 from garment_file import save
 from scipy.ndimage import gaussian_filter
+from sizes import VERTICES
 from tube import AXIS, WAIST, grid_faces, hull_radius, without_arms
 
 from garmentbench.scenes.garments import load_garment
 
-VERTICES = {"smoke": 400, "laptop": 1_500, "paper": 18_000}  # wanted, after the split at the seam; the paper gives none
 TOP = WAIST + 0.02  # [m] height, above the dress's narrowest place
 HEM = 0.66  # [m] height, a hand above the dress's hem
 CLEARANCE = 0.008  # [m] off the dress
@@ -49,7 +49,7 @@ def held(rest: np.ndarray) -> np.ndarray:
 
 def main() -> None:
     skin = body_skin()
-    for size, wanted in VERTICES.items():
+    for size, wanted in VERTICES["over_skirt"].items():
         arrays = Cloth(*fine_over_skirt(size)).fit(skin, wanted)
         save(f"over_skirt-{size}", arrays | {"pins": held(arrays["rest"])}, PROVENANCE)
 

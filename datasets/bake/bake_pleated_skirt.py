@@ -1,4 +1,4 @@
-"""Bake the pleated skirt into datasets/garments/pleated_skirt-{smoke,laptop,paper}.npz.
+"""Bake the pleated skirt into datasets/garments/pleated_skirt-{smoke,laptop,desktop,paper}.npz.
 
 Only needed to remake the assets: bake the bodies, then `python datasets/bake/bake_pleated_skirt.py`. It is a rectangle
 of cloth in accordion pleats round the body's hull, closed by one seam at the back.
@@ -38,7 +38,12 @@ class Grid:
     rows: int
 
 
-SIZES = {"smoke": Grid(columns=1, rows=11), "laptop": Grid(columns=2, rows=21), "paper": Grid(columns=6, rows=82)}
+SIZES = {  # near `sizes.VERTICES`
+    "smoke": Grid(columns=1, rows=11),
+    "laptop": Grid(columns=2, rows=21),
+    "desktop": Grid(columns=4, rows=34),
+    "paper": Grid(columns=6, rows=82),
+}
 
 
 def pleated(grid: Grid) -> dict[str, np.ndarray]:

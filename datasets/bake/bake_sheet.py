@@ -1,10 +1,11 @@
-"""Make the sheet of cloth that winds round the stick: datasets/garments/sheet-{smoke,laptop,paper}.npz.
+"""Make the sheet of cloth that winds round the stick: datasets/garments/sheet-{smoke,laptop,desktop,paper}.npz.
 
 Only needed to remake the assets: `python datasets/bake/bake_sheet.py`. It hangs straight down from the front of the
 stick at rest (see garmentbench/motion/stick.py), held by its upper row of vertices.
 """
 
 import numpy as np
+from sizes import VERTICES
 
 from garmentbench.motion.stick import HEIGHT, RADIUS
 from garmentbench.paths import GARMENTS
@@ -12,7 +13,6 @@ from garmentbench.paths import GARMENTS
 SIDE = 0.6  # [m]
 GAP = 0.004  # [m] off the stick, more than the cloth's thickness in the simulation
 MARGIN = 0.03  # of the UV square
-ROWS = {"smoke": 14, "laptop": 30, "paper": 71}  # and as many columns
 
 
 def sheet(rows: int) -> dict[str, np.ndarray]:
@@ -35,7 +35,8 @@ def sheet(rows: int) -> dict[str, np.ndarray]:
 
 
 def main() -> None:
-    for size, rows in ROWS.items():
+    for size, wanted in VERTICES["sheet"].items():
+        rows = round(np.sqrt(wanted))
         np.savez_compressed(
             GARMENTS / f"sheet-{size}.npz",
             **sheet(rows),

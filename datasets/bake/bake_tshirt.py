@@ -1,4 +1,4 @@
-"""Bake the T-shirt into datasets/garments/tshirt-{smoke,laptop,paper}.npz.
+"""Bake the T-shirt into datasets/garments/tshirt-{smoke,laptop,desktop,paper}.npz.
 
 Only needed to remake the assets: `pip install -e .[bake]`, bake the bodies, then `python datasets/bake/bake_tshirt.py`.
 """
@@ -10,10 +10,10 @@ import panels
 from cutting import Pattern, cut, frontness, loosen
 from fitting import CLEARANCE, body_skin, relax, thinnest
 from garment_file import save
+from sizes import VERTICES
 from surface import Skin, push_out
 from tights import SOURCE, fine_tights
 
-VERTICES = {"smoke": 400, "laptop": 1_500, "paper": 18_902}  # wanted, after the split at the seam
 HEM_BELOW_HIPS = 0.03  # [m], against the hip joints
 
 
@@ -76,7 +76,7 @@ def with_charts(points: np.ndarray, faces: np.ndarray, panel_of: np.ndarray) -> 
 def main() -> None:
     skin = body_skin()
     fine = fine_tshirt(skin)
-    for size, wanted in VERTICES.items():
+    for size, wanted in VERTICES["tshirt"].items():
         save(
             f"tshirt-{size}",
             with_charts(*best_mesh(fine, skin, wanted)),

@@ -15,7 +15,7 @@ class Card:
     Attributes:
         source: A scene, which is simulated where it has not been, or a sequence file (.h5).
         out: Write the card into this Markdown file instead.
-        preset: Size of a scene: smoke, laptop or paper.
+        preset: Size of a scene: smoke, laptop, desktop or paper.
         mesh: Another size of garment and body than the preset's.
     """
 

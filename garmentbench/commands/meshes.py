@@ -102,7 +102,7 @@ class Export:
         source: A scene, a sequence file (.h5), or the run of an evaluation: its id or the beginning of it.
         to: Format.
         out: Folder to write to.
-        preset: Size of a scene: smoke, laptop or paper.
+        preset: Size of a scene: smoke, laptop, desktop or paper.
         sequence: The sequence file of a run on an imported one.
         frames: How many frames, from the first on.
     """

@@ -75,7 +75,7 @@ class Train:
         scene: Scene to train on, a sequence file (.h5), or a garment's training set, GARMENT@SET, the sets being walk,
             dance, walk-dance, walk-bodies, varied and your own. Several of the same garment may be given, each with
             --scene; tshirt-armspace-75 if none is.
-        preset: Size: smoke, laptop or paper.
+        preset: Size: smoke, laptop, desktop or paper.
         mesh: Another size of garment and body than the preset's.
         model: Another size of the method's network than the preset's.
         frames: How many frames of each scene to train on, from the first on; a training set says so itself.
@@ -117,7 +117,7 @@ class Evaluate:
             Several of the same garment may be given, each with --train-scene. If none is: the first training scene of
             the garment in --scene.
         scene: Scene to evaluate on, or a sequence file (.h5).
-        preset: Size: smoke, laptop or paper.
+        preset: Size: smoke, laptop, desktop or paper.
         mesh: Another size of garment and body than the preset's.
         model: Another size of the method's network than the preset's.
         frames: How many frames of each scene to train on, from the first on; a training set says so itself.

@@ -29,7 +29,7 @@ class Evals:
 
     Attributes:
         experiments: Names of experiments (convergence and crosscheck run only when they are named), or one file.
-        preset: Size: smoke, laptop or paper.
+        preset: Size: smoke, laptop, desktop or paper.
         mesh: Another size of garment and body than the preset's.
         model: Another size of the methods' networks than the preset's.
         seeds: How often each method whose training is random is trained, by default once or as a file says.
@@ -114,7 +114,7 @@ class Report:
 
     Attributes:
         file: The report of your own experiments is made again; of the suite's if none is given.
-        preset: Size: smoke, laptop or paper.
+        preset: Size: smoke, laptop, desktop or paper.
         mesh: Another size of garment and body than the preset's.
         model: Another size of the methods' networks than the preset's.
     """

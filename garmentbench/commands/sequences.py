@@ -40,7 +40,7 @@ class Simulate:
         split: With --garment: train or test.
         pins: With --garment: what the body holds fast, "top 3 cm" or the name of a group of faces in an OBJ file.
         jobs: How many at a time; by default one a core.
-        preset: Size: smoke, laptop or paper.
+        preset: Size: smoke, laptop, desktop or paper.
         mesh: Another size of garment and body than the preset's.
         device: auto, cpu or cuda.
     """

@@ -16,7 +16,7 @@ def garment_names() -> list[str]:
 
 
 def load_garment(name: str, size: str) -> Garment:
-    """The garment of that name at a mesh size ("smoke", "laptop", "paper").
+    """The garment of that name at a mesh size ("smoke", "laptop", "desktop", "paper").
 
     Raises `UsageError` with the nearest name where the name or the size is unknown.
     """

@@ -10,7 +10,7 @@ class MeshSize:
     """A size of garment and body.
 
     Attributes:
-        name: "smoke", "laptop" or "paper"; baked garments are in files `<garment>-<size>.npz`.
+        name: "smoke", "laptop", "desktop" or "paper"; baked garments are in files `<garment>-<size>.npz`.
         body_size: Which baked body: "small" (about 3,500 vertices) or "full" (13,348).
         frame_limit: No sequence is longer than this, in frames; None for as long as its scene says.
     """
@@ -29,7 +29,7 @@ class Preset:
     """A mesh size and a network size.
 
     Attributes:
-        name: "smoke", "laptop" or "paper"; of a mixed one "<mesh>+<model>".
+        name: "smoke", "laptop", "desktop" or "paper"; of a mixed one "<mesh>+<model>".
         mesh: The meshes that are simulated, on which methods are trained and tested.
         model: Name of the size of the methods' networks and of their training.
     """
@@ -46,7 +46,12 @@ class Preset:
 
 MESH_SIZES = {
     size.name: size
-    for size in (MeshSize("smoke", "small", frame_limit=40), MeshSize("laptop", "small"), MeshSize("paper", "full"))
+    for size in (
+        MeshSize("smoke", "small", frame_limit=40),
+        MeshSize("laptop", "small"),
+        MeshSize("desktop", "full"),
+        MeshSize("paper", "full"),
+    )
 }
 PRESETS = {name: Preset(name, mesh, name) for name, mesh in MESH_SIZES.items()}
 

