@@ -4,7 +4,8 @@ Needs `alembic3d` (in the extra `alembic`), PyAlembic as a wheel. Damaged files 
 `subprocess_reader` calls `read_alembic` in a process of its own.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +14,11 @@ import numpy as np
 from garmentbench.errors import UserError
 from garmentbench.importing.meshes.choosing import choose
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence, refusal
-from garmentbench.importing.meshes.point_caches import rate_of
 from garmentbench.importing.meshes.polygons import PolygonFrames, from_polygons
 
 _OTHER_SHAPES = ("Curves", "NuPatch", "Points")
 _AGAIN = "export it again, as Ogawa (not HDF5) Alembic"
+_SAME_TIME = 1e-6  # [s]
 
 
 def read_alembic(path: Path, prim: str, role: str) -> MeshSequence | None:
@@ -63,10 +64,10 @@ def _mesh(path: Path, name: str, found: tuple, unread: list[str]) -> MeshSequenc
     schema, transforms = found
     counts = _constant(path, schema.getFaceCountsProperty())
     corners = _constant(path, schema.getFaceIndicesProperty())
-    sampling = max((schema, *transforms), key=lambda s: s.getNumSamples())
-    length = sampling.getNumSamples()
-    times = np.array([sampling.getTimeSampling().getSampleTime(t) for t in range(length)])
-    mirrored = bool(np.linalg.det(_matrix(transforms, float(times[0]))[:3, :3]) < 0)
+    track, above = _Track.of(schema), tuple(_Track.of(transform) for transform in transforms)
+    times = _sample_times(track, above)
+    length = len(times)
+    mirrored = bool(np.linalg.det(_matrix(above, float(times[0]))[:3, :3]) < 0)
     notes = ("its transform mirrors it: the faces are turned with it",) if mirrored else ()
     notes += (f"not read of this file: {', '.join(unread[:8])}",) if unread else ()
     polygons = PolygonFrames(
@@ -75,33 +76,79 @@ def _mesh(path: Path, name: str, found: tuple, unread: list[str]) -> MeshSequenc
         counts,
         corners,
         length,
-        lambda t: _points(schema, transforms, float(times[t])),
+        lambda t: _points(track, above, float(times[t])),
         _corner_uv(schema, corners),
         clockwise=not mirrored,
         notes=notes,
     )
-    return from_polygons(polygons, times if length > 1 else None, fps=rate_of(path, times), unit=None, up=None)
+    return from_polygons(polygons, times if length > 1 else None, unit=None, up=None)
 
 
-def _points(schema: Any, transforms: tuple, time: float) -> np.ndarray:
+@dataclass(frozen=True)
+class _Track:
+    """A schema with samples over time, linear between them, as programs play Alembic.
+
+    Attributes:
+        schema: Of points, or of a transform.
+        times: When its samples are [s]; none where it has one, which holds always.
+    """
+
+    schema: Any
+    times: np.ndarray
+
+    @classmethod
+    def of(cls, schema: Any) -> "_Track":
+        count, sampling = schema.getNumSamples(), schema.getTimeSampling()
+        return cls(schema, np.array([sampling.getSampleTime(t) for t in range(count)] if count > 1 else [], np.float64))
+
+    def at(self, time: float, read: Callable[[Any], np.ndarray]) -> np.ndarray:
+        """What its value holds at a time [s]; `read` takes it from a sample."""
+        from alembic3d import Abc
+
+        def sample(when: float) -> np.ndarray:
+            return read(self.schema.getValue(Abc.ISampleSelector(float(when))))  # the nearest one
+
+        times = self.times
+        after = int(np.searchsorted(times, time - _SAME_TIME))
+        if after in (0, len(times)) or abs(times[after] - time) <= _SAME_TIME:
+            return sample(time)
+        share = (time - times[after - 1]) / (times[after] - times[after - 1])
+        low, high = sample(times[after - 1]), sample(times[after])
+        return low if low.shape != high.shape else ((1 - share) * low + share * high).astype(low.dtype)
+
+
+def _sample_times(points: _Track, transforms: tuple[_Track, ...]) -> np.ndarray:
+    """Times of the points' samples, or of the transforms above where these have more in the same span [s]."""
+    own, above = points.times, np.concatenate([np.zeros(0), *(transform.times for transform in transforms)])
+    if len(own):
+        above = above[(above >= own[0] - _SAME_TIME) & (above <= own[-1] + _SAME_TIME)]
+    above = _distinct(above)
+    if len(own) and len(above) <= len(own):
+        return own
+    both = _distinct(np.concatenate([own, above]))
+    return both if len(both) else np.array([points.schema.getTimeSampling().getSampleTime(0)])
+
+
+def _distinct(times: np.ndarray) -> np.ndarray:
+    times = np.sort(times)
+    return times[np.diff(times, prepend=-np.inf) > _SAME_TIME]
+
+
+def _points(track: _Track, transforms: tuple[_Track, ...], time: float) -> np.ndarray:
     """World positions at a time [s], shape (V, 3)."""
-    from alembic3d import Abc
-
-    at = Abc.ISampleSelector(time)
-    points = np.array(schema.getValue(at).getPositions(), np.float32).reshape(-1, 3)
+    points = track.at(time, lambda value: np.array(value.getPositions(), np.float32).reshape(-1, 3))
     matrix = _matrix(transforms, time)
     if np.array_equal(matrix, np.eye(4)):
         return points
     return (points.astype(np.float64) @ matrix[:3, :3] + matrix[3, :3]).astype(np.float32)
 
 
-def _matrix(transforms: tuple, time: float) -> np.ndarray:
+def _matrix(transforms: tuple[_Track, ...], time: float) -> np.ndarray:
     """All transforms together at a time [s], shape (4, 4); rows are images: x M."""
-    from alembic3d import Abc
-
-    at, matrix = Abc.ISampleSelector(time), np.eye(4)
+    matrix = np.eye(4)
     for transform in transforms:  # outermost first
-        matrix = np.array(transform.getValue(at).getMatrix(), np.float64).reshape(4, 4) @ matrix
+        own = transform.at(time, lambda value: np.array(value.getMatrix(), np.float64).reshape(4, 4))
+        matrix = own @ matrix if transform.schema.getInheritsXforms() else own
     return matrix
 
 

@@ -16,8 +16,8 @@ from typing import Any
 import h5py
 import numpy as np
 
+from garmentbench.importing.meshes.even_times import evenly_timed
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence, checked_faces, refusal, size_of
-from garmentbench.importing.meshes.point_caches import rate_of
 from garmentbench.storage import hdf5
 from garmentbench.storage.atomic import written_whole
 from garmentbench.storage.npz import DAMAGED, read_array
@@ -26,6 +26,7 @@ _ALIASES = {"vertices": "positions", "triangles": "faces"}
 _SHAPES = {"positions": (None, None, 3), "faces": (None, 3), "rest": (None, 3), "pins": (None,), "times": (None,)}
 _KNOWN = frozenset({*_SHAPES, *_ALIASES, "uv", "fps", "metres_per_unit", "up"})
 _AGAIN = "write it again; garmentbench import --help names the arrays"
+_SAME_RATE = 0.01  # relative difference of two rates that are one
 
 
 def read_npz(path: Path) -> MeshSequence:
@@ -109,18 +110,23 @@ def _mesh(path: Path, arrays: dict[str, np.ndarray]) -> MeshSequence:
     times = arrays["times"].astype(np.float64) if "times" in arrays else None
     if times is not None and (len(times) != len(arrays["positions"]) or not np.isfinite(times).all()):
         raise refusal(path, f"times are {len(times)}, positions {len(arrays['positions'])} frames", _AGAIN)
+    frames, times, rate, notes = evenly_timed(path, arrays["positions"], times)
+    fps = _number(path, arrays, "fps")
+    if fps and rate and abs(fps / rate - 1) > _SAME_RATE:
+        raise refusal(path, f"fps is {fps:g}, its times are {rate:g} a second", "write only the one that is right")
     rest = arrays["rest"].astype(np.float32) if "rest" in arrays else None
     return MeshSequence(
         path.stem,
-        arrays["positions"],
+        frames,
         faces,
         _corner_uv(path, arrays.get("uv"), faces, vertices),
         rest,
-        _number(path, arrays, "fps") or (None if times is None else rate_of(path, times)),
+        fps or rate,
         _number(path, arrays, "metres_per_unit"),
         _up(path, arrays),
         times,
         pins=pins,
+        notes=notes,
         files=(path,),
     )
 

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from garmentbench.importing.meshes.even_times import evenly_timed
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence, refusal, size_of
 from garmentbench.storage.atomic import written_whole
 
@@ -21,7 +22,7 @@ def with_template(
     path: Path,
     frames: np.ndarray,
     template: MeshSequence,
-    times: np.ndarray,
+    times: np.ndarray | None,
     counted: bool,
     fps: float | None,
     notes: tuple[str, ...] = (),
@@ -43,25 +44,6 @@ def with_template(
         notes=(*template.notes, *notes),
         files=(path, *template.files),
     )
-
-
-def rate_of(path: Path, times: np.ndarray) -> float | None:
-    """Frames a second of evenly spaced times [s], shape (T,); None of a single one. Raises `UserError` for others."""
-    if len(times) < 2:
-        return None
-    with np.errstate(invalid="ignore", over="ignore"):
-        steps = np.diff(times)
-        step = (times[-1] - times[0]) / (len(times) - 1)
-        rounding = 1e-6 * np.abs(times).max()
-        even = step > 0 and np.isfinite(times).all() and np.abs(steps - step).max() <= 0.05 * step + rounding
-    if not even:
-        with np.errstate(invalid="ignore"):
-            bad = int(np.argmax(~(np.abs(steps - np.median(steps)) <= 0.05 * np.abs(np.median(steps)))))
-        found = (
-            f"frames {bad} and {bad + 1} are at {times[bad]:g} s and {times[bad + 1]:g} s, wanted evenly spaced times"
-        )
-        raise refusal(path, found, "export at a constant frame rate")
-    return float(round(1 / step, 3))
 
 
 def point_count(path: Path) -> int | None:
@@ -151,7 +133,8 @@ def read_mdd(path: Path, template: MeshSequence) -> MeshSequence:
         raise refusal(path, f"has {size} bytes, {wanted}: it is damaged, cut off, or no MDD file", _AGAIN)
     times = np.fromfile(path, ">f4", count, offset=_MDD.size).astype(np.float64)
     frames = np.memmap(path, ">f4", "r", _MDD.size + 4 * count, (count, points, 3))
-    return with_template(path, frames, template, times, False, rate_of(path, times), _surplus(surplus))
+    moving, even, rate, uneven = evenly_timed(path, frames, times)
+    return with_template(path, moving, template, even, False, rate, (*_surplus(surplus), *uneven))
 
 
 def write_mdd(path: Path, mesh: MeshSequence) -> None:

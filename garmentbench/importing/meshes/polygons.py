@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from garmentbench.importing.meshes.even_times import evenly_timed
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence, checked_faces, refusal
 
 MOST_CORNERS = 100  # of one face; ear clipping is cubic
@@ -130,10 +131,11 @@ class PolygonFrames:
     notes: tuple[str, ...] = ()
 
 
-def from_polygons(
-    mesh: PolygonFrames, times: np.ndarray | None, fps: float | None, unit: float | None, up: str | None
-) -> MeshSequence:
-    """All of it in memory. Raises `UserError`, one line, where counts don't fit, or a frame has other vertices."""
+def from_polygons(mesh: PolygonFrames, times: np.ndarray | None, unit: float | None, up: str | None) -> MeshSequence:
+    """All of it in memory, at even times [s].
+
+    Raises `UserError`, one line, where counts don't fit, a frame has other vertices, or times have a wide gap.
+    """
     first = mesh.points(0)
     if not len(first) or not np.isfinite(first).all():
         found = "has no points" if not len(first) else "has points that are not finite in its first frame"
@@ -157,5 +159,6 @@ def from_polygons(
     rest = mesh.rest if mesh.rest is not None and mesh.rest.shape == first.shape else None
     uv = None if mesh.corner_uv is None else mesh.corner_uv[cut].astype(np.float32)
     faces = mesh.corners[cut].astype(np.int32)
-    notes = (*mesh.notes, *what_was_cut(mesh.counts))
+    frames, times, fps, uneven = evenly_timed(mesh.path, frames, times)
+    notes = (*mesh.notes, *uneven, *what_was_cut(mesh.counts))
     return MeshSequence(mesh.name, frames, faces, uv, rest, fps, unit, up, times, notes=notes)

@@ -13,7 +13,6 @@ import numpy as np
 from garmentbench.errors import UserError
 from garmentbench.importing.meshes.choosing import choose
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence, refusal
-from garmentbench.importing.meshes.point_caches import rate_of
 from garmentbench.importing.meshes.polygons import PolygonFrames, from_polygons
 from garmentbench.storage.atomic import written_whole
 
@@ -146,22 +145,26 @@ def _mesh(path: Path, stage: "Usd.Stage", mesh: "UsdGeom.Mesh", baked: set[str],
     return from_polygons(
         polygons,
         times,
-        fps=None if times is None else rate_of(path, times),
         unit=UsdGeom.GetStageMetersPerUnit(stage) if UsdGeom.StageHasAuthoredMetersPerUnit(stage) else None,
         up=str(UsdGeom.GetStageUpAxis(stage)).lower() if stage.HasAuthoredMetadata("upAxis") else None,
     )
 
 
 def _time_codes(mesh: "UsdGeom.Mesh") -> list:
-    """Time samples of the points and of all transforms above them; the default time where nothing moves."""
+    """Time samples of the points, or of the transforms above them where these have more in the same span; the default
+    time where nothing moves.
+    """
     from pxr import Usd, UsdGeom
 
-    codes = set(mesh.GetPointsAttr().GetTimeSamples())
+    own, above = sorted(mesh.GetPointsAttr().GetTimeSamples()), set()
     prim = mesh.GetPrim()
     while prim and not prim.IsPseudoRoot():
-        codes |= set(UsdGeom.Xformable(prim).GetTimeSamples()) if prim.IsA(UsdGeom.Xformable) else set()
+        above |= set(UsdGeom.Xformable(prim).GetTimeSamples()) if prim.IsA(UsdGeom.Xformable) else set()
         prim = prim.GetParent()
-    return sorted(codes) or [Usd.TimeCode.Default()]
+    if len(own) > 1:
+        within = {code for code in above if own[0] <= code <= own[-1]}
+        return sorted(within | set(own)) if len(within) > len(own) else own
+    return sorted(above) or own or [Usd.TimeCode.Default()]
 
 
 def _is_animated(skeleton: "UsdSkel.Skeleton") -> bool:

@@ -110,9 +110,9 @@ def test_damaged_pc2(tmp_path, template, content, says):
         (mdd()[:-1], "cut off"),
         (mdd()[:5], "cut off in its header"),
         (mdd(times=[0, 0.04, 0.08, 0.5, 0.54, 0.58]), "frames 2 and 3 are at 0.08 s and 0.5 s, wanted evenly spaced"),
-        (mdd(times=[0.0] * 6), "wanted evenly spaced times"),
-        (mdd(times=[float("nan")] * 6), "wanted evenly spaced times"),
-        (mdd(times=[0, 1, 2, float("inf"), 4, 5]), "wanted evenly spaced times"),
+        (mdd(times=[0.0] * 6), "wanted times that increase"),
+        (mdd(times=[float("nan")] * 6), "wanted times that increase"),
+        (mdd(times=[0, 1, 2, float("inf"), 4, 5]), "wanted times that increase"),
     ],
 )
 def test_damaged_mdd(tmp_path, template, content, says):
