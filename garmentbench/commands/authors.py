@@ -40,7 +40,7 @@ class ImportAuthors:
     def run(self) -> None:
         from garmentbench import sequence_file
         from garmentbench.device import one_thread, quiet_warp
-        from garmentbench.importing.sequences import measured
+        from garmentbench.importing.wearing import measured
         from garmentbench.methods.motion_guided.authors.read import read_release
         from garmentbench.methods.motion_guided.authors.release import open_release
 

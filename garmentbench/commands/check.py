@@ -23,6 +23,8 @@ class Check:
         file: A mesh (.obj, .ply, or a garment's .npz), or a sequence (HDF5).
         picture: Also draw it into this PNG file: a mesh on its body, findings in red, or frame 0 of a sequence.
         body: Say where a mesh starts inside this body: a baked one (base, slim ...), a mesh, or a sequence's.
+        body_units: The unit of a body's mesh: m, cm, mm, in or ft. Not needed for a person who stands.
+        body_up: The axis that points up in a body's mesh: x, y, z, or the other way round, e.g. --body-up=-y.
         mesh: Which object of an OBJ file is the garment: a name, some with commas between, or all.
         fix: Write the garment, repaired where that is safe, to this .obj or .npz file, and check that.
         units: The mesh's unit, for --fix: m, cm, mm, in or ft. Not needed where its size tells.
@@ -35,6 +37,8 @@ class Check:
     file: Positional[Path]
     picture: Path | None = None
     body: str = ""
+    body_units: str = ""
+    body_up: str = ""
     mesh: str = ""
     fix: Path | None = None
     units: str = ""
@@ -61,10 +65,14 @@ class Check:
         for name, given in (("--units", self.units), ("--make-uv", self.make_uv), ("--weld", self.weld is not None)):
             if given and self.fix is None:
                 raise UsageError(f"check: {name} says how to repair; give --fix OUT.obj or OUT.npz with it")
-        if self.units and self.units not in UNITS:
-            raise UsageError(f"--units is '{self.units}'; wanted {', '.join(UNITS)}")
-        if self.up not in AXES:
-            raise UsageError(f"--up is '{self.up}'; wanted {', '.join(AXES)}")
+        for name, units in (("--units", self.units), ("--body-units", self.body_units)):
+            if units and units not in UNITS:
+                raise UsageError(f"{name} is '{units}'; wanted {', '.join(UNITS)}")
+        for name, up in (("--up", self.up), ("--body-up", self.body_up or "z")):
+            if up not in AXES:
+                raise UsageError(f"{name} is '{up}'; wanted {', '.join(AXES)}")
+        if (self.body_units or self.body_up) and not self.body:
+            raise UsageError("check: --body-units and --body-up are a body's; give --body FILE with them")
         _shift(self.shift)
         if self.weld is not None and not 0 < self.weld < 0.1:
             raise UsageError(f"--weld is {self.weld:g}; wanted metres above 0 and below 0.1")
@@ -76,7 +84,10 @@ class Check:
         from garmentbench.importing.mesh_doctor.files import read_mesh, read_wearer, wardrobe_lines
         from garmentbench.importing.mesh_doctor.picture import picture
 
-        mesh, wearer, file = read_mesh(self.file, self.mesh), read_wearer(self.body) if self.body else None, self.file
+        wearer = read_wearer(self.body, self.body_units, self.body_up) if self.body else None
+        mesh, file = read_mesh(self.file, self.mesh), self.file
+        for line in () if wearer is None else wearer.assumed:
+            print(f"body {self.body}: {line}")
         if self.fix is not None:
             self._mend(mesh, wearer, self.fix)
             mesh, file = read_mesh(self.fix), self.fix
@@ -109,10 +120,10 @@ class Check:
 
         problems = check_sequence(self.file)
         if not errors(problems):
-            first = sequence_file.load(self.file, frames=1)
-            print(f"{self.file}: {_uncertainty(first.uncertainty_cm)}")
-            problems += never_worn(first)
-            found = examine_template(mesh_of(first.template.garment))
+            sequence = sequence_file.load(self.file)
+            print(f"{self.file}: {_uncertainty(sequence.uncertainty_cm)}")
+            problems += never_worn(sequence)
+            found = examine_template(mesh_of(sequence.template.garment))
             problems += [replace(f.problem, where=f"garment {f.problem.where}", warning=True) for f in found]
             if self.picture is not None:
                 draw_first_frame(self.file, self.picture)

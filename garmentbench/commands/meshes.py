@@ -32,6 +32,8 @@ class Import:
         kind: The body is a human, an object such as a stick, or the garment beneath.
         units: m, cm, mm, in or ft.
         up: The axis that points up: x, y, z, or the other way round, e.g. --up=-y.
+        body_units: The body's unit, where it is another than the garment's.
+        body_up: The body's axis that points up, where it is another than the garment's.
         fps: Frames a second.
         frames: How many frames, from the first that garment and body both have.
         same_start: Garment and body begin at the same moment, whatever times or frame numbers their files state.
@@ -52,6 +54,8 @@ class Import:
     kind: Literal["human", "object", "garment"] = "human"
     units: str | None = None
     up: str | None = None
+    body_units: str | None = None
+    body_up: str | None = None
     fps: float | None = None
     frames: int | None = None
     split: Literal["train", "test"] = "train"
@@ -68,7 +72,7 @@ class Import:
 
         one_thread()
         quiet_warp()
-        given = Given(self.units, self.up, self.fps)
+        given = Given(self.units, self.up, self.fps, self.body_units, self.body_up)
         wanted = Wanted(
             self.out.stem,
             given,

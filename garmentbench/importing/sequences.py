@@ -11,23 +11,19 @@ import numpy as np
 from garmentbench import sequence_file
 from garmentbench.errors import UsageError, UserError
 from garmentbench.importing.mesh_doctor.orientation import faces_inward
-from garmentbench.importing.mesh_doctor.worn import never_worn
 from garmentbench.importing.meshes.conventions import Conventions, Given, find_conventions, unit_name
 from garmentbench.importing.meshes.frame_check import check_frames
-from garmentbench.importing.meshes.mesh_sequence import MeshSequence, refusal
+from garmentbench.importing.meshes.mesh_sequence import MeshSequence, refusal, without_spare
 from garmentbench.importing.meshes.pairing import paired
 from garmentbench.importing.meshes.placing import outward, placed_frames, placed_rest
 from garmentbench.importing.meshes.reading import HDF5, Place, read_both
 from garmentbench.importing.meshes.uv_map import seam_pairs, vertex_uv
-from garmentbench.metrics.interpenetration_strict import PENETRATION
-from garmentbench.metrics.metric import Motion, scores
+from garmentbench.importing.wearing import worn
 from garmentbench.reference import IDENTITY
 from garmentbench.sequence import GARMENT, HUMAN, Body, Garment, Sequence, Template
 
 _HIGHEST, _LOWEST = 3.0, 0.5  # of a human body [m], by the units that a file states
-_MUCH, _MOSTLY = 5.0, 50.0  # [%] of the garment inside the body: a warning, and an error
 _APART = 0.3  # [m] between the bounding boxes of garment and body in frame 0
-_MEASURED = 400_000  # vertices, over all frames, whose depth is measured: a few seconds
 
 
 @dataclass(frozen=True)
@@ -70,25 +66,10 @@ def import_files(garment: Place, body: Place, wanted: Wanted, out: Path) -> list
     else:
         sequence, notes = import_meshes(*read_both(garment, body), wanted)
     if sequence.template.needs.interpenetration and "interpenetration" not in sequence.scores:
-        sequence = measured(sequence)
-        notes.append(_inside(sequence))
-        notes += [f"warning: {problem.where}: {problem.what}" for problem in never_worn(sequence)]
+        sequence, lines = worn(sequence)
+        notes += lines
     sequence_file.save(sequence, out)
     return notes
-
-
-def _inside(sequence: Sequence) -> str:
-    """How much of the garment is inside the body. Raises `UserError` where that is most of it."""
-    percent = sequence.scores["interpenetration_strict"]
-    line = f"interpenetration: {percent:.3g} % of the garment's vertices lie inside the body"
-    if percent > _MOSTLY:
-        body = sequence.template.body
-        where = sequence.template.garment.name if body is None else f"{sequence.template.garment.name} on {body.name}"
-        do = "export both with one origin, axes, unit and time (--units, --up, --same-start), or name the right body"
-        raise refusal(where, f"{percent:.3g} % of the garment lies inside the body, wanted it worn", do)
-    if percent > _MUCH:
-        return f"warning: {line}: do both have the same times, axes and unit, and is this its body?"
-    return line
 
 
 def _own_sequence(source: str) -> Sequence | None:
@@ -103,7 +84,7 @@ def _own_sequence(source: str) -> Sequence | None:
 
 def _renamed(sequence: Sequence, body: Place, wanted: Wanted) -> tuple[Sequence, list[str]]:
     template, given = sequence.template, wanted.given
-    if body[0] or wanted.make_uv or (given.units, given.up, given.fps) != (None, None, None):
+    if body[0] or wanted.make_uv or given != Given():
         raise UsageError(
             "import: a garmentbench sequence says all of itself; only --frames, --split and names go with it"
         )
@@ -118,20 +99,12 @@ def _renamed(sequence: Sequence, body: Place, wanted: Wanted) -> tuple[Sequence,
     ]
 
 
-def measured(sequence: Sequence) -> Sequence:
-    """With its own interpenetration noted, measured on so many of its frames, evenly spaced, as `_MEASURED` allows."""
-    frames = min(len(sequence), max(1, _MEASURED // sequence.garment.shape[1]))
-    chosen = np.linspace(0, len(sequence) - 1, frames).round().astype(int)
-    some = replace(sequence, garment=sequence.garment[chosen], body=sequence.body_positions[chosen])
-    noted = {"scores": scores(Motion.of(some), *PENETRATION), "scored_frames": len(chosen)}
-    return replace(sequence, info=sequence.info | noted)
-
-
 def import_meshes(garment: MeshSequence, body: MeshSequence | None, wanted: Wanted) -> tuple[Sequence, list[str]]:
     """The sequence, and notes on what was assumed and done (units, axes, rate, UV, cuts).
 
     Raises `UserError`, one line with advice, for what is unclear, doesn't fit together, or is not finite.
     """
+    garment, body = without_spare(garment), None if body is None else without_spare(body)
     for mesh in (garment, body):
         if mesh is not None:
             check_frames(mesh, wanted.other_template)
@@ -205,6 +178,10 @@ def _handed(
     if inward:
         cloth = replace(cloth, faces=cloth.faces[:, ::-1].copy())
         notes.append("faces of the garment pointed inwards: turned")
+    told = "one mesh's faces point" if notes else "faces point"
+    notes.append(
+        f"handedness: right-handed axes assumed: {told} outwards, a mirror image with turned faces looks the same"
+    )
     return cloth, body, notes
 
 

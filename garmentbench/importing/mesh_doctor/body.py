@@ -23,10 +23,12 @@ class Wearer:
     Attributes:
         body: Its rest positions [m] and faces are used.
         parts: Name of the part of each vertex, e.g. "upper_arm.L", shape (B,); None where there are none.
+        assumed: What was taken for its unit and axes, for the user.
     """
 
     body: Body
     parts: np.ndarray | None
+    assumed: tuple[str, ...] = ()
 
 
 def baked(name: str) -> Wearer:

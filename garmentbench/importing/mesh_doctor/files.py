@@ -3,7 +3,10 @@
 Writing a mended garment.
 """
 
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +17,7 @@ from garmentbench.importing.mesh_doctor.body import Wearer, baked, is_baked, of_
 from garmentbench.importing.mesh_doctor.mesh import Mesh
 from garmentbench.importing.mesh_doctor.shape import unit
 from garmentbench.importing.meshes import obj
+from garmentbench.importing.meshes.conventions import UNITS, converter, guess_unit, guess_up, unit_name
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence
 from garmentbench.importing.meshes.ply import read_ply
 from garmentbench.scenes.garment_file import garment_name
@@ -59,25 +63,65 @@ def mesh_of(garment: Garment) -> Mesh:
     )
 
 
-def read_wearer(which: str) -> Wearer:
-    """A baked body by its name, or the body of a mesh or sequence file, brought to metres where its unit is clear.
+def read_wearer(which: str, units: str = "", up: str = "") -> Wearer:
+    """A baked body by its name, or the body of a mesh or sequence file, brought to metres, z up.
 
-    Raises `UserError` where there is none, or its size is no body's in any unit.
+    Args:
+        which: The name, or the file.
+        units, up: A mesh's unit and axis that points up, keys of `UNITS` and `AXES`; "" for as its size tells.
+
+    Raises `UserError` where there is none, or its size is no body's in any unit; `UsageError` where units are given for
+    what says its own.
     """
     path = Path(which)
-    if is_baked(which) or not (path.suffix or path.exists()):
+    named = is_baked(which) or not (path.suffix or path.exists())
+    if (units or up) and (named or not is_mesh_file(path)):
+        raise UsageError(f"{which} is in metres, z up; --body-units and --body-up go with a mesh (.obj, .ply, .npz)")
+    if named:
         return baked(which)
     if not is_mesh_file(path):
         template = sequence_file.load(path, frames=1).template
         if template.body is None:
             raise UserError(f"{path}: has no body; name another file, or a baked body such as base")
         return of_body(template.body)
-    mesh = read_mesh(path, "all")
-    known = unit(mesh.size)
-    if known is None or not np.isfinite(mesh.vertices).all():
-        raise UserError(f"{path}: the body measures {mesh.size:.3g} across, wanted metres; convert it")
-    rest = (mesh.vertices * known[1]).astype(np.float32)
-    return of_body(Body(path.stem, rest, mesh.faces.astype(np.int32)))
+    return _of_mesh(path, units, up)
+
+
+def _of_mesh(path: Path, units: str, up: str) -> Wearer:
+    """The body of a mesh file. What is no standing person is taken for z up, and for a garment's sizes."""
+    mesh = read_mesh(path, "all").compact()
+    if not np.isfinite(mesh.vertices).all():
+        raise UserError(f"{path}: the body has NaN or infinite positions; export it again")
+    person = MeshSequence(path.stem, mesh.vertices[None].astype(np.float32), mesh.faces.astype(np.int32))
+    if up:
+        axis, lines = up, [f"up: {up} (given)"]
+    else:
+        axis, why = _or_else(lambda: guess_up(person), ("z", ""))
+        lines = [
+            f"up: {axis} (inferred: {why})" if why else "up: z (assumed: its size doesn't tell; --body-up says it)"
+        ]
+    height, told = _or_else(lambda: guess_unit(person, person, axis), (None, ""))
+    if units:
+        metres, told = UNITS[units], "given"
+    elif height is not None:
+        metres, told = height, f"inferred: {told}"
+    elif (known := unit(mesh.size)) is not None:
+        metres, told = known[1], "" if known[1] == 1 else f"inferred: it measures {mesh.size:.3g} across"
+    else:
+        found = f"the body measures {mesh.size:.3g} across, wanted a person of 1 to 2.4 m"
+        raise UserError(f"{path}: {found}; give --body-units ({', '.join(UNITS)})")
+    if told:
+        lines = [f"units: {unit_name(metres)} ({told})", *lines]
+    rest = (mesh.vertices @ converter(metres, axis).T).astype(np.float32)
+    return replace(of_body(Body(path.stem, rest, mesh.faces.astype(np.int32))), assumed=tuple(lines))
+
+
+def _or_else(guess: Callable[[], tuple[Any, str]], otherwise: tuple[Any, str]) -> tuple[Any, str]:
+    """What is guessed, or where nothing tells something else."""
+    try:
+        return guess()
+    except UserError:
+        return otherwise
 
 
 def _of_corners(read: MeshSequence) -> Mesh:

@@ -26,6 +26,7 @@ _SOLES = 0.05  # of the body's height: a garment whose middle is below is no gar
 _PELVIS = 0.5  # height of the pelvis over that of the body
 _FEW = 5.0  # [%] of the vertices inside: then it is worn well enough to be proposed
 _CHUNK = 2_000  # body edges tested at once
+_LOOKED_AT = 3  # frames of a sequence: the first, the middle, the last
 
 
 @dataclass(frozen=True)
@@ -103,20 +104,66 @@ def not_worn(mesh: Mesh, wearer: Wearer, units: str = "m") -> list[Finding]:
 
 
 def never_worn(sequence: Sequence) -> list[Problem]:
-    """A problem where the body of a sequence, if it is a human, isn't in the garment in frame 0."""
+    """A problem where the body of a sequence, if it is a human, isn't in the garment: an error in frame 0, a warning
+    where it slips out later.
+    """
     template = sequence.template
     if template.body is None or sequence.body is None or template.body.kind != HUMAN:
         return []
-    garment, body = template.garment, replace(template.body, rest=sequence.body[0])
-    count = np.arange(len(garment.rest))
-    mesh = Mesh(garment.name, sequence.garment[0].astype(np.float64), garment.faces.astype(np.int64), None, count,
-                seams=garment.seams.astype(np.int64))  # fmt: skip
-    if is_worn(mesh, Wearer(body, None)):
-        return []
-    gap = nearest_vertices(mesh.points, body.rest)[0].min()
-    what = f"no part of '{body.name}' goes through the garment's openings in frame 0; it is {gap:.2g} m away from it"
-    do = "look at it (--picture): another origin, axes, unit or time than the body's? Import it with the right ones"
-    return [Problem("frame 0", what, do)]
+    for frame in np.unique(np.linspace(0, len(sequence) - 1, _LOOKED_AT).round().astype(int)):
+        mesh, wearer = of_frame(sequence, int(frame))
+        if is_worn(mesh, wearer):
+            continue
+        gap = nearest_vertices(mesh.points, wearer.body.rest)[0].min()
+        no_part = f"no part of '{template.body.name}' goes through the garment's openings; it is {gap:.2g} m away"
+        if frame:
+            do = "look at it (garmentbench view): do both have the same times and rate?"
+            return [Problem(f"frame {frame}", f"worn in frame 0, but here {no_part}", do, warning=True)]
+        change = proposal(mesh, wearer)
+        likely = "another origin, axes, unit or time than the body's?" if change is None else f"{change.words()}?"
+        do = f"{likely} Look at it (--picture), and import it with the right ones"
+        return [Problem("frame 0", no_part, do)]
+    return []
+
+
+def of_frame(sequence: Sequence, frame: int) -> tuple[Mesh, Wearer]:
+    """Garment and body, which there has to be, as they are in a frame."""
+    garment, body = sequence.template.garment, sequence.template.body
+    assert body is not None and sequence.body is not None, "ask for the body first"
+    positions, seams = sequence.garment[frame].astype(np.float64), garment.seams.astype(np.int64)
+    mesh = Mesh(garment.name, positions, garment.faces.astype(np.int64), None, np.arange(len(positions)), seams=seams)
+    return mesh, Wearer(replace(body, rest=sequence.body[frame]), None)
+
+
+_MIRRORS = {  # what a mirror image may be of, and the matrix that undoes it
+    "x turned round": np.diag([-1.0, 1.0, 1.0]),
+    "y turned round": np.diag([1.0, -1.0, 1.0]),
+    "y and z swapped": np.array([[1.0, 0, 0], [0, 0, 1], [0, 1, 0]]),
+    "x and y swapped": np.array([[0.0, 1, 0], [1, 0, 0], [0, 0, 1]]),
+}
+
+
+def fits_mirrored(sequence: Sequence, inside: float) -> str:
+    """Of which kind of mirror image a garment is that isn't on its body, or deep inside it, as it is; "" of none.
+
+    A kind counts where the body goes through the garment's openings once it is undone, in all frames looked at, with at
+    most `inside` of its vertices in the body [%].
+    """
+    body = sequence.template.body
+    if body is None or body.kind != HUMAN:
+        return ""
+    frames = [of_frame(sequence, int(k)) for k in np.unique(np.linspace(0, len(sequence) - 1, _LOOKED_AT).astype(int))]
+    for said, matrix in _MIRRORS.items():
+        undone = [(replace(mesh, vertices=mesh.vertices @ matrix.T), wearer) for mesh, wearer in frames]
+        if all(is_worn(mesh, wearer) and _inside(mesh, wearer) <= inside for mesh, wearer in undone):
+            return said
+    return ""
+
+
+def _inside(mesh: Mesh, wearer: Wearer) -> float:
+    """How many of a garment's points are inside the body, of a thousand or fewer [%]."""
+    points = mesh.points[np.unique(mesh.corners)]
+    return 100 * float((depths(points[:: max(1, len(points) // 1000)], wearer) > 0).mean())
 
 
 def proposal(mesh: Mesh, wearer: Wearer, units: tuple[str, ...] = ("m",)) -> Change | None:
@@ -127,9 +174,7 @@ def proposal(mesh: Mesh, wearer: Wearer, units: tuple[str, ...] = ("m",)) -> Cha
         openings, crossed = _openings(moved, skin)
         if crossed <= most:
             continue
-        points = moved.points[np.unique(moved.corners)]
-        inside = 100 * float((depths(points[:: max(1, len(points) // 1000)], wearer) > 0).mean())
-        if inside <= _FEW:
+        if _inside(moved, wearer) <= _FEW:
             most, found = crossed, change
         if most == openings:
             break

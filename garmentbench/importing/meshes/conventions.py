@@ -34,17 +34,22 @@ class Given:
         units: A key of `UNITS`, or None.
         up: A key of `AXES`, or None.
         fps: Frames a second, or None.
+        body_units, body_up: Of the body, where they are not the garment's.
     """
 
     units: str | None = None
     up: str | None = None
     fps: float | None = None
+    body_units: str | None = None
+    body_up: str | None = None
 
     def __post_init__(self) -> None:
-        if self.units not in (None, *UNITS):
-            raise UsageError(f"--units is '{self.units}'; wanted {', '.join(UNITS)}")
-        if self.up not in (None, *AXES):
-            raise UsageError(f"--up is '{self.up}'; wanted {', '.join(AXES)}")
+        for option, units in (("--units", self.units), ("--body-units", self.body_units)):
+            if units not in (None, *UNITS):
+                raise UsageError(f"{option} is '{units}'; wanted {', '.join(UNITS)}")
+        for option, up in (("--up", self.up), ("--body-up", self.body_up)):
+            if up not in (None, *AXES):
+                raise UsageError(f"{option} is '{up}'; wanted {', '.join(AXES)}")
         if self.fps is not None and not 1 <= self.fps <= 1000:
             raise UsageError(f"--fps is {self.fps:g}; wanted 1 to 1000 frames a second")
 
@@ -70,15 +75,16 @@ def find_conventions(garment: MeshSequence, body: MeshSequence | None, given: Gi
     """Find them for both meshes. Raises `UserError`, with advice, where something stays unclear."""
     other = garment if body is None else body
     person = body if human else None
-    up, about_up = _decide("up", given.up, garment.up, other.up, lambda: _guess_up(person))
+    ups = given.up, given.body_up or given.up
+    up, about_up = _decide("up", ups, garment.up, other.up, lambda: guess_up(person))
     units, about_units = _decide(
         "units",
-        given.units and UNITS[given.units],
+        (_metres(given.units), _metres(given.body_units or given.units)),
         garment.unit,
         other.unit,
-        lambda: _guess_unit(garment, person, up[1]),
+        lambda: guess_unit(garment, person if given.body_units is None else None, up[1]),
     )
-    fps, about_fps = _decide("fps", given.fps, garment.fps, other.fps, _no_rate)
+    fps, about_fps = _decide("fps", (given.fps, given.fps), garment.fps, other.fps, _no_rate)
     if fps[0] != fps[1] and min(len(garment.frames), len(other.frames)) > 1:
         raise UserError(
             f"the garment has {fps[0]:g} frames a second, the body {fps[1]:g}; "
@@ -100,11 +106,22 @@ def unit_name(unit: float) -> str:
     return next((name for name, size in UNITS.items() if abs(size / unit - 1) < 1e-6), f"{unit:g} m")
 
 
-def _decide(name: str, given: Any, garment: Any, body: Any, guess: Callable[[], tuple[Any, str]]) -> tuple[Any, str]:
-    """The value for garment and body, and a line about it."""
+def _metres(units: str | None) -> float | None:
+    return None if units is None else UNITS[units]
+
+
+def _decide(
+    name: str, given: tuple[Any, Any], garment: Any, body: Any, guess: Callable[[], tuple[Any, str]]
+) -> tuple[Any, str]:
+    """The value for garment and body, and a line about it; `given` are both as the user says."""
     show: Any = unit_name if name == "units" else lambda v: f"{v:g}" if isinstance(v, float) else v
-    if given is not None:
-        return (given, given), f"{name}: {show(given)} (given)"
+    if given[0] is not None:
+        more = "" if given[1] == given[0] else f", of the body {show(given[1])}"
+        return given, f"{name}: {show(given[0])}{more} (given)"
+    if given[1] is not None:
+        value, why = (garment, "as the file says") if garment is not None else guess()
+        why = why if garment is not None else f"inferred: {why}"
+        return (value, given[1]), f"{name}: {show(value)} ({why}), of the body {show(given[1])} (given)"
     known: tuple[Any, Any] = garment if garment is not None else body, body if body is not None else garment
     if known[0] is not None:
         both = show(known[0]) if known[0] == known[1] else f"{show(known[0])}, of the body {show(known[1])}"
@@ -113,8 +130,10 @@ def _decide(name: str, given: Any, garment: Any, body: Any, guess: Callable[[], 
     return (value, value), f"{name}: {show(value)} (inferred: {why})"
 
 
-def _guess_up(body: MeshSequence | None) -> tuple[str, str]:
-    """The axis along which a body is long; of two, as in a T-pose, the one along which it stands at 0."""
+def guess_up(body: MeshSequence | None) -> tuple[str, str]:
+    """The axis along which a body is long in its first frame, of two, as in a T-pose, the one along which it stands at
+    0; and why. Raises `UserError` where none is, or there is no body.
+    """
     do = "give --up y (Maya, most films) or --up z (Blender, 3ds Max)"
     if body is None:
         raise UserError(f"up axis: can't be told without a human body; {do}")
@@ -130,7 +149,10 @@ def _guess_up(body: MeshSequence | None) -> tuple[str, str]:
     raise UserError(f"up axis: can't be told from a body of {extents}; {do}")
 
 
-def _guess_unit(garment: MeshSequence, body: MeshSequence | None, up: str) -> tuple[float, str]:
+def guess_unit(garment: MeshSequence, body: MeshSequence | None, up: str) -> tuple[float, str]:
+    """The unit [m] in which a body stands as high as people do, or without one in which a garment has a garment's size;
+    and why. Raises `UserError` where none or several fit.
+    """
     if body is not None:
         axis = abs(AXES[up][2]) - 1
         size = float(np.ptp(np.asarray(body.still, np.float64)[:, axis]))

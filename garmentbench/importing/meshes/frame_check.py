@@ -8,6 +8,8 @@ from garmentbench.importing.meshes.mesh_sequence import MeshSequence, refusal
 _OFF = 0.25  # median of how much longer or shorter edges are, as a logarithm: worn cloth and moving skin have 0.05
 _MIRRORED = 0.1  # squared misfit of the mirror image over that of the shape itself, below which it is one
 _EDGES = 2_000  # edges that are looked at in every frame
+_TELLS = 0.3  # correlation of how edges bend, at rest and in a frame, from which on it tells
+_ENOUGH = 30  # edges
 _OPTION = "give --other-template if it is meant to differ (a flat pattern)"
 
 
@@ -44,7 +46,7 @@ def _check_rest(mesh: MeshSequence, edges: np.ndarray, first: np.ndarray) -> Non
         return
     off, scale = _off(ratio), float(np.exp(np.median(np.log(ratio))))
     if off <= _OFF:
-        if _is_mirror_image(rest, first):
+        if _is_mirror_image(rest, first, mesh.faces):
             found = f"{template} is the mirror image of frame 0"
             do = "export both with the same axes (one of them is left-handed, or has y and z swapped)"
             raise refusal(mesh.where, found, do)
@@ -72,8 +74,18 @@ def _percent(off: float) -> str:
     return f"{100 * np.expm1(off):.0f} %"
 
 
-def _is_mirror_image(rest: np.ndarray, frame: np.ndarray) -> bool:
-    """Does the mirror image of a shape fit a frame far better than any turn of it? Neither of a flat one."""
+def _is_mirror_image(rest: np.ndarray, frame: np.ndarray, faces: np.ndarray) -> bool:
+    """Is a frame the mirror image of a shape?
+
+    Edges bend the other way in a mirror image, in whatever pose; where that doesn't tell (a flat shape, fine wrinkles),
+    it is one where the mirror image fits the frame far better than any turn of the shape.
+    """
+    hinges = _hinges(faces)
+    bends = [_bends(positions, hinges) for positions in (rest, frame)]
+    size = float(np.sqrt(np.prod([(b**2).sum() for b in bends])))
+    alike = float(bends[0] @ bends[1]) / size if size > 0 else 0.0
+    if len(hinges) >= _ENOUGH and abs(alike) > _TELLS:
+        return alike < 0
     p, q = rest - rest.mean(axis=0), frame - frame.mean(axis=0)
     values = np.linalg.svd(p.T @ q, compute_uv=False)
     sign = np.sign(np.linalg.det(p.T @ q))
@@ -81,3 +93,22 @@ def _is_mirror_image(rest: np.ndarray, frame: np.ndarray) -> bool:
     with_turn = total - 2 * (values[0] + values[1] + sign * values[2])
     with_mirror = total - 2 * (values[0] + values[1] - sign * values[2])
     return bool(with_mirror < _MIRRORED * with_turn)
+
+
+def _hinges(faces: np.ndarray) -> np.ndarray:
+    """Edges of two faces: their ends, then the corners opposite, shape (H, 4)."""
+    ends = faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    opposite = faces[:, [2, 0, 1]].ravel()
+    edge, count = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True, return_counts=True)[1:]
+    sides = np.argsort(edge.ravel(), kind="stable")
+    first = np.concatenate([[0], np.cumsum(count)[:-1]])[count == 2]
+    one, other = sides[first], sides[first + 1]
+    return np.column_stack([ends[one], opposite[one], opposite[other]])
+
+
+def _bends(positions: np.ndarray, hinges: np.ndarray) -> np.ndarray:
+    """How far and which way each hinge is bent, times its length, shape (H,): the sine of its angle."""
+    a, b, c, d = (positions[hinges[:, k]] for k in range(4))
+    along, one, other = b - a, np.cross(b - a, c - a), np.cross(b - a, d - a)
+    areas = np.linalg.norm(one, axis=1) * np.linalg.norm(other, axis=1)
+    return np.sum(np.cross(one, other) * along, axis=1) / np.maximum(areas, 1e-30)

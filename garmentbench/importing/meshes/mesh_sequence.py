@@ -1,6 +1,6 @@
 """A moving mesh as a file has it, the one type that all readers give and all writers take; and how both complain."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +24,7 @@ class MeshSequence:
         times: When each frame is [s], or where `counted` its number, shape (T,); None where the file doesn't say.
         counted: `times` are numbers of frames, as in PC2 and in names of OBJ files.
         pins: Vertices held fast to the body, shape (P,), int32.
+        numbers: Each vertex's number in the file, shape (V,); None where all are there.
         notes: What was done to it while reading, e.g. "12 quads cut into triangles".
         files: The files that it was read from.
     """
@@ -39,6 +40,7 @@ class MeshSequence:
     times: np.ndarray | None = None
     counted: bool = False
     pins: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int32))
+    numbers: np.ndarray | None = None
     notes: tuple[str, ...] = ()
     files: tuple[Path, ...] = ()
 
@@ -57,6 +59,23 @@ class MeshSequence:
     def still(self) -> np.ndarray:
         """The rest positions, or else the first frame, shape (V, 3)."""
         return self.frames[0] if self.rest is None else self.rest
+
+
+def without_spare(mesh: MeshSequence) -> MeshSequence:
+    """The mesh without vertices that no face uses, which would decide its size; and a note on these."""
+    used = np.unique(mesh.faces)
+    spare = mesh.frames.shape[1] - len(used)
+    if not spare:
+        return mesh
+    return replace(
+        mesh,
+        frames=mesh.frames[:, used],
+        faces=np.searchsorted(used, mesh.faces).astype(np.int32),
+        rest=None if mesh.rest is None else mesh.rest[used],
+        pins=np.searchsorted(used, mesh.pins[np.isin(mesh.pins, used)]).astype(np.int32),
+        numbers=used,
+        notes=(*mesh.notes, f"{spare} vertices without a face left out"),
+    )
 
 
 def refusal(where: Path | str, found: str, do: str) -> UserError:

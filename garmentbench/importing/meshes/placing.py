@@ -27,7 +27,8 @@ def placed_frames(mesh: MeshSequence, origin: np.ndarray | slice, unit: float, u
         if len(bad):
             frame, vertex = bad[0]
             values = ", ".join(f"{v:g}" for v in block[frame, vertex])
-            found = f"frame {start + frame}, vertex {vertices[vertex]} is at ({values}), wanted finite positions"
+            number = vertices[vertex] if mesh.numbers is None else mesh.numbers[vertices[vertex]]
+            found = f"frame {start + frame}, vertex {number} is at ({values}), wanted finite positions"
             raise refusal(mesh.where, found, "export it again, or cut it before that frame (--frames)")
         out[start : start + len(moved)] = moved
     if held:

@@ -52,7 +52,7 @@ def vertex_uv(mesh: MeshSequence, make_uv: bool = False) -> VertexUV:
     origin, faces, of_vertex = split_corners(mesh.faces, uv)
     copies = len(origin) - len(np.unique(mesh.faces))
     cut = (f"{copies} vertices split along the cuts of the UV map",) if copies else ()
-    return VertexUV(origin, faces, of_vertex, (*notes, *cut, *_left_out(mesh)))
+    return VertexUV(origin, faces, of_vertex, (*notes, *cut))
 
 
 def _into_unit_square(where: Path | str, uv: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
@@ -78,12 +78,7 @@ def _made(mesh: MeshSequence) -> VertexUV:
     copies = len(made.source) - len(still)
     notes = f"UV map made by xatlas: {copies} vertices split along its cuts"
     faces = np.searchsorted(used, made.faces).astype(np.int32)
-    return VertexUV(made.source[used], faces, made.uv[used], (notes, *_left_out(mesh)))
-
-
-def _left_out(mesh: MeshSequence) -> tuple[str, ...]:
-    loose = len(mesh.still) - len(np.unique(mesh.faces))
-    return (f"{loose} vertices without a face left out",) if loose else ()
+    return VertexUV(made.source[used], faces, made.uv[used], (notes,))
 
 
 SEWN = 1e-3  # [m] in every frame

@@ -17,6 +17,7 @@ from garmentbench.importing.meshes.point_caches import write_mdd, write_pc2
 from garmentbench.importing.sequences import Wanted, import_meshes
 
 CLOTH, BODY = MESHES["garment"], MESHES["body"]
+FLIP = np.float32([-1, 1, 1])
 PLAIN = Wanted("x", Given("m", "z", 25.0))
 
 
@@ -38,7 +39,7 @@ def test_meshes_with_y_and_z_swapped_are_mirrored_with_a_word():
     sequence, notes = import_meshes(*(replace(swapped(m), up=None) for m in (CLOTH, BODY)), given)
     plain, told = import_meshes(CLOTH, BODY, PLAIN)
     assert any("mirrored" in line and "y and z swapped" in line for line in notes)
-    assert not any("handedness" in line or "inwards" in line for line in told)
+    assert not any("mirrored" in line or "inwards" in line for line in told)
     np.testing.assert_allclose(sequence.garment, plain.garment, atol=1e-6)
     np.testing.assert_allclose(sequence.body, plain.body, atol=1e-6)
     np.testing.assert_array_equal(sequence.template.body.faces, plain.template.body.faces)
@@ -50,6 +51,140 @@ def test_faces_of_the_garment_alone_are_turned():
     sequence, notes = import_meshes(turned, BODY, PLAIN)
     assert "faces of the garment pointed inwards: turned" in notes
     np.testing.assert_allclose(sequence.garment[0].min(axis=0), CLOTH.frames[0].min(axis=0), atol=1e-6)
+
+
+def test_where_faces_point_outwards_the_hand_is_said_to_be_assumed():
+    """A mirror image whose faces were turned can't be told from a symmetric body; nothing is claimed of it."""
+    mirrored = [replace(m, frames=m.frames * FLIP, rest=m.still * FLIP, faces=m.faces[:, ::-1]) for m in (CLOTH, BODY)]
+    for meshes in ((CLOTH, BODY), mirrored):
+        _, notes = import_meshes(*meshes, PLAIN)
+        assert any(line.startswith("handedness: right-handed axes assumed: faces point outwards") for line in notes)
+
+
+def beside(mesh: MeshSequence, shift: float) -> MeshSequence:
+    """Moved along x."""
+    return replace(mesh, frames=mesh.frames + np.float32([shift, 0, 0]), rest=mesh.still + np.float32([shift, 0, 0]))
+
+
+@pytest.mark.parametrize(
+    ("matrix", "said"),
+    [
+        (np.diag([-1.0, 1, 1]), "x turned round"),
+        (np.diag([1.0, -1, 1]), "y turned round"),
+        (np.array([[1.0, 0, 0], [0, 0, 1], [0, 1, 0]]), "y and z swapped"),
+        (np.array([[0.0, 1, 0], [1, 0, 0], [0, 0, 1]]), "x and y swapped"),
+    ],
+)
+def test_a_garment_that_fits_only_as_its_mirror_image_is_refused(home, capsys, matrix, said):
+    """Its faces were turned outwards, so that these don't tell; garment and body stand off the origin."""
+    away = [replace(beside(m, 0.7), frames=beside(m, 0.7).frames + np.float32([0, 0.4, 0])) for m in (CLOTH, BODY)]
+    away = [replace(m, rest=None) for m in away]
+    write_npz(home / "body.npz", away[1])
+    turned = (away[0].frames @ matrix.T).astype(np.float32)
+    write_npz(home / "cloth.npz", replace(away[0], frames=turned, faces=CLOTH.faces[:, ::-1]))
+    code, out, err = typed(capsys, "import", "cloth.npz", "--body", "body.npz", "--out", "x.h5")
+    assert code == 1 and len(err) == 1 and out == "" and not (home / "x.h5").exists()
+    assert "garmentbench: cloth on body: " in err[0] and "of the garment's vertices lie inside the body" in err[0]
+    assert f"but hardly one of its mirror image ({said})" in err[0]
+    assert "export garment and body with the same axes" in err[0]
+
+
+@pytest.mark.parametrize("write", ["npz", "obj", "pc2", "mdd"])
+def test_how_much_is_inside_is_a_warning_and_most_of_it_an_error(home, capsys, write):
+    """The garment made narrower by the tenth part, and by half."""
+    for narrow, expected in ((0.84, 0), (0.5, 1)):
+        cloth = replace(
+            CLOTH, frames=CLOTH.frames * np.float32([1, narrow, 1]), rest=CLOTH.still * np.float32([1, narrow, 1])
+        )
+        call = []
+        for mesh, name in ((cloth, "cloth"), (BODY, "figure")):
+            option = [] if name == "cloth" else ["--body"]
+            template = "--template" if name == "cloth" else "--body-template"
+            if write == "npz":
+                write_npz(home / f"{name}.npz", mesh)
+                call += [*option, f"{name}.npz"]
+            elif write == "obj":
+                write_series(home / name, mesh)
+                call += [*option, name]
+            else:
+                {"pc2": write_pc2, "mdd": write_mdd}[write](home / f"{name}.{write}", mesh)
+                write_template(home / f"{name}.obj", mesh)
+                call += [*option, f"{name}.{write}", template, f"{name}.obj"]
+        code, out, err = typed(capsys, "import", *call, "--units", "m", "--up", "z", "--fps", "25", "--out", "x.h5")
+        assert code == expected
+        if expected:
+            assert (
+                len(err) == 1 and "of the garment's vertices lie inside the body, wanted it worn; export both" in err[0]
+            )
+        else:
+            assert "warning: interpenetration: " in out and "do both have the same times, axes and unit" in out
+            code, card, _ = typed(capsys, "card", "x.h5")
+            assert "- warning: interpenetration: " in card
+
+
+def test_a_garment_beside_its_body_gets_no_reassuring_number(home, capsys):
+    write_npz(home / "cloth.npz", beside(CLOTH, 2.0))
+    write_npz(home / "body.npz", BODY)
+    code, out, _ = typed(capsys, "import", "cloth.npz", "--body", "body.npz", "--out", "x.h5")
+    assert code == 0 and "warning: frame 0: no part of 'body' goes through the garment's openings" in out
+    assert "interpenetration" not in out and "moved by (-2, 0, 0) m?" in out
+    code, out, err = typed(capsys, "check", "x.h5")
+    assert code == 1 and "error: frame 0: no part of 'body'" in out and "good" not in out
+    code, out, _ = typed(capsys, "card", "x.h5")
+    assert "- warning: frame 0: no part of 'body'" in out
+    assert "| strict, by signed distance [%] | not measured |" in out
+
+
+def test_a_garment_that_slips_off_later_is_told(home, capsys):
+    """As where the body moves at another rate than the garment."""
+    along = np.linspace(0, 2, len(CLOTH.frames))[:, None, None].astype(np.float32)
+    write_npz(home / "cloth.npz", replace(CLOTH, frames=CLOTH.frames + along))
+    write_npz(home / "body.npz", BODY)
+    code, out, _ = typed(capsys, "import", "cloth.npz", "--body", "body.npz", "--out", "x.h5")
+    assert code == 0 and "warning: frame 2: worn in frame 0, but here no part of 'body'" in out
+    code, out, _ = typed(capsys, "check", "x.h5")
+    assert code == 0 and "warning: frame 2: worn in frame 0" in out and "good, but see the warnings" in out
+
+
+@pytest.mark.parametrize("which", ["garment", "body"])
+def test_spare_vertices_are_left_out_by_number_and_decide_nothing(which):
+    """One a kilometre away, one that isn't finite: neither says anything of unit, axes and rest shape."""
+    spoilt = {}
+    for name, mesh in (("garment", CLOTH), ("body", BODY)):
+        frames, rest, faces, pins = mesh.frames, mesh.still, mesh.faces, mesh.pins
+        if name == which:
+            spare = np.float32([[1e3, 0, 0], [np.nan, 0, 0]])
+            frames = np.concatenate([np.tile(spare[None], (len(frames), 1, 1)), frames], axis=1)
+            rest, faces, pins = np.concatenate([spare, rest]), faces + 2, np.array([0, 7])
+        spoilt[name] = replace(mesh, frames=frames, rest=rest, faces=faces, pins=pins, unit=None, up=None)
+    sequence, notes = import_meshes(spoilt["garment"], spoilt["body"], Wanted("x", Given(fps=25.0)))
+    plain, _ = import_meshes(CLOTH, BODY, PLAIN)
+    assert sum("2 vertices without a face left out" in line for line in notes) == 1
+    np.testing.assert_allclose(sequence.garment, plain.garment, atol=1e-6)
+    np.testing.assert_allclose(sequence.body, plain.body, atol=1e-6)
+    if which == "garment":
+        assert sequence.template.garment.pins.tolist() == [5]
+    bad = spoilt[which].frames.copy()
+    bad[3, 40, 1] = np.nan
+    with pytest.raises(UserError, match="frame 3, vertex 40 is at"):
+        import_meshes(**{**spoilt, which: replace(spoilt[which], frames=bad)}, wanted=PLAIN)
+
+
+def test_a_body_of_another_unit_and_axis_than_its_garment(home):
+    body = replace(
+        as_film(BODY), frames=as_film(BODY).frames / np.float32(2.54), rest=as_film(BODY).rest / np.float32(2.54)
+    )
+    cloth = replace(CLOTH, unit=None, up=None)
+    sequence, notes = import_meshes(cloth, body, replace(PLAIN, given=Given("m", "z", 25.0, "in", "y")))
+    assert notes[:2] == ["units: m, of the body in (given)", "up: z, of the body y (given)"]
+    np.testing.assert_allclose(sequence.body, BODY.frames, atol=1e-5)
+    np.testing.assert_allclose(sequence.garment[:, 0], CLOTH.frames[:, 0], atol=1e-6)
+    sequence, notes = import_meshes(cloth, body, replace(PLAIN, given=Given(None, "z", 25.0, "in", "y")))
+    assert notes[0].startswith("units: m (inferred: the garment's diagonal") and notes[0].endswith(
+        "of the body in (given)"
+    )
+    with pytest.raises(UsageError, match="--body-units is 'inch'; wanted m, cm, mm, in, ft"):
+        Given(body_units="inch")
 
 
 def test_without_a_body_the_hand_is_said_to_be_assumed():

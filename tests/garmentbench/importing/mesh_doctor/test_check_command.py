@@ -35,7 +35,8 @@ def home(tmp_path, monkeypatch):
 def typed(capsys, *arguments: str) -> tuple[int, list[str], list[str]]:
     code = main(("check", *arguments))
     out, err = capsys.readouterr()
-    return code, out.splitlines(), err.splitlines()
+    said = [line for line in out.splitlines() if not line.startswith("body ball.obj: ")]  # what its unit and axes are
+    return code, said, err.splitlines()
 
 
 @pytest.mark.parametrize("name", ["good.npz", "good.obj"])
@@ -127,6 +128,18 @@ def test_without_xatlas_the_message_names_the_one_step(home, capsys, monkeypatch
     assert code == 1 and len(err) == 1 and "pip install xatlas" in err[0] and not (home / "a.npz").exists()
 
 
+def test_what_a_body_s_mesh_was_taken_for_is_said(home, capsys):
+    """In inches, y up, as its height tells; and as it is told."""
+    turned = ball().rest[:, [0, 2, 1]] * [1, 1, -1] / 0.0254
+    faces = "".join(f"f {a} {b} {c}\n" for a, b, c in ball().faces + 1)
+    (home / "inches.obj").write_text("".join(f"v {x:.5f} {y:.5f} {z:.5f}\n" for x, y, z in turned) + faces)
+    for options, why in (((), "inferred: body height 70.87"), (("--body-units", "in", "--body-up", "y"), "given")):
+        assert main(("check", "good.npz", "--body", "inches.obj", *options)) == 0
+        out = capsys.readouterr().out.splitlines()
+        assert out[0] == f"body inches.obj: units: in ({why})" and out[1].startswith("body inches.obj: up: y")
+        assert out[-1] == "good.npz: good"
+
+
 def test_the_picture_shows_the_body_too(home, capsys):
     for name, more_ in (("alone", ()), ("worn", ("--body", "ball.obj"))):
         assert typed(capsys, "good.npz", "--picture", f"{name}.png", *more_)[0] == 0
@@ -162,6 +175,9 @@ def test_weld(home, capsys):
     (["good.npz", "--fix", "a.stl"], "wanted a name that ends in .obj or .npz"),
     (["good.npz", "--fix", "a.npz", "--units", "inches"], "--units is 'inches'; wanted m, cm, mm"),
     (["good.npz", "--fix", "a.npz", "--weld", "1"], "--weld is 1; wanted metres above 0 and below 0.1"),
+    (["good.npz", "--body-units", "in"], "give --body FILE with them"),
+    (["good.npz", "--body", "ball.obj", "--body-up", "w"], "--body-up is 'w'; wanted z, y, x"),
+    (["good.npz", "--body", "base", "--body-units", "in"], "base is in metres, z up"),
     (["good.npz", "--body", "bsae"], "unknown body 'bsae': did you mean 'base'?"),
 ])  # fmt: skip
 def test_wrong_calls(home, capsys, arguments, says):

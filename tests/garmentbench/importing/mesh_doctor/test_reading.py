@@ -11,6 +11,8 @@ from garmentbench.errors import UserError
 from garmentbench.evaluation.toy import tiny_sequence
 from garmentbench.importing.mesh_doctor.examine import examine
 from garmentbench.importing.mesh_doctor.files import mesh_of, read_mesh, read_wearer, write_mesh
+from garmentbench.importing.meshes.conventions import converter
+from garmentbench.scenes.bodies import load_body
 from garmentbench.sequence_file.read_write import save
 
 CLEAN = tube()
@@ -160,8 +162,26 @@ def test_bodies_by_name_and_from_meshes_in_any_unit(tmp_path):
         trimesh.Trimesh(body.rest * factor, body.faces, process=False).export(tmp_path / f"{name}.obj")
         np.testing.assert_allclose(read_wearer(str(tmp_path / f"{name}.obj")).body.rest, body.rest, atol=1e-5)
     trimesh.Trimesh(body.rest * 1e4, body.faces, process=False).export(tmp_path / "odd.obj")
-    with pytest.raises(UserError, match="wanted metres"):
+    with pytest.raises(UserError, match="wanted a person of 1 to 2.4 m; give --body-units"):
         read_wearer(str(tmp_path / "odd.obj"))
+    assert read_wearer(str(tmp_path / "odd.obj"), "mm").body.rest.max() == pytest.approx(10 * body.rest.max())
+
+
+@pytest.mark.parametrize(("units", "metres"), [("m", 1.0), ("cm", 0.01), ("mm", 0.001), ("in", 0.0254), ("ft", 0.3048)])
+@pytest.mark.parametrize("up", ["x", "y", "z"])
+def test_a_standing_body_s_unit_and_axis_are_seen_and_said(tmp_path, units, metres, up):
+    """Another program's copy of our own body, with a vertex far away that no face uses."""
+    body = load_body("base", "small").body
+    matrix = converter(metres, up)
+    there = np.concatenate([body.rest @ np.linalg.inv(matrix).T, [[1e5, 1e5, 1e5]]])
+    trimesh.Trimesh(there, body.faces, process=False).export(tmp_path / "a.obj")
+    found = read_wearer(str(tmp_path / "a.obj"))
+    np.testing.assert_allclose(found.body.rest, body.rest, atol=1e-4)
+    assert found.assumed[0].startswith(f"units: {units} (inferred: body height")
+    assert found.assumed[1].startswith(f"up: {up} (inferred: the body measures")
+    given = read_wearer(str(tmp_path / "a.obj"), units, up)
+    assert given.assumed == (f"units: {units} (given)", f"up: {up} (given)")
+    np.testing.assert_allclose(given.body.rest, body.rest, atol=1e-4)
 
 
 def one_line(path) -> str:
