@@ -153,7 +153,7 @@ def _build(sequence: Sequence, preset: Preset) -> _Built:
 
     from garmentbench.methods.motion_guided import MotionGuided
     from garmentbench.methods.motion_guided.config import config_for
-    from garmentbench.methods.motion_guided.training import WEIGHTS, load
+    from garmentbench.methods.training import WEIGHTS, load
 
     with tempfile.TemporaryDirectory() as folder:
         with RunStore(Path(folder)).open("train", {"what": LEFT_OUT}) as run:

@@ -10,6 +10,8 @@ METHODS = {
     "hold": "garmentbench.methods.baselines.hold:Hold",
     "constant_velocity": "garmentbench.methods.baselines.constant_velocity:ConstantVelocity",
     "linear_subspace": "garmentbench.methods.baselines.linear_subspace:LinearSubspace",
+    "static_ridge": "garmentbench.methods.baselines.static_ridge:StaticRidge",
+    "subspace_network": "garmentbench.methods.baselines.subspace_network:SubspaceNetwork",
     "motion_guided": "garmentbench.methods.motion_guided:MotionGuided",
 }
 ENTRY_POINTS = "garmentbench.methods"  # the group by which an installed package offers its methods

@@ -1,66 +1,48 @@
 """Linear dynamics of codes, z_t = A [z_t-1, z_t-2] + B f_t + c, by ridge regression in closed form."""
 
-from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
 
 from garmentbench.errors import UserError
 from garmentbench.method import HISTORY
-
-STRENGTHS = tuple(10.0 ** np.arange(-6, 1))  # of the ridge, relative to the largest variance among the inputs
-_HELD_OUT = 0.25  # of the frames, the last ones
-_TOLERANCE = 1.05  # the strongest ridge whose held-out error is within this factor of the least is taken
-
-
-@dataclass(frozen=True)
-class Subspace:
-    """A PCA basis. mean: shape (D,). basis: orthonormal rows, shape (K, D)."""
-
-    mean: np.ndarray
-    basis: np.ndarray
-
-    @classmethod
-    def of(cls, samples: np.ndarray, count: int) -> "Subspace":
-        """The first `count` principal components of samples, shape (T, D)."""
-        mean = samples.mean(axis=0)
-        return cls(mean, np.linalg.svd(samples - mean, full_matrices=False)[2][:count])
-
-    def encode(self, samples: np.ndarray) -> np.ndarray:
-        """Codes, shape (..., K), of samples, shape (..., D)."""
-        return (samples - self.mean) @ self.basis.T
-
-    def decode(self, codes: np.ndarray) -> np.ndarray:
-        """Samples, shape (..., D), of codes, shape (..., K)."""
-        return self.mean + codes @ self.basis
-
+from garmentbench.methods.baselines.held_out import folds
+from garmentbench.methods.baselines.ridge import STRENGTHS, Moments, strongest
 
 Recording = tuple[np.ndarray, np.ndarray]  # codes, shape (T, K), and the input of each frame, shape (T, Q)
 
 
-def fit_dynamics(recordings: list[Recording]) -> np.ndarray:
+def fit_dynamics(recordings: list[Recording], kinds: list[str] | None = None) -> np.ndarray:
     """The map from [z_t-1, z_t-2, f_t, 1] to z_t, shape (2 K + Q + 1, K), from one or more recordings.
 
-    How strongly A and B are held small is chosen by free roll-outs over the last quarter of each recording, after a fit
-    to the rest; strengths that let the dynamics grow (spectral radius of A at least 1) are left out. The map is then
-    fitted to all. Raises `UserError` where no strength is left, or where the recordings are too short.
+    How strongly A and B are held small is chosen by free roll-outs over what the `folds` of the recordings' kinds of
+    motion hold out, after a fit to the rest; strengths that let the dynamics grow (spectral radius of A at least 1) are
+    left out. The map is then fitted to all. Raises `UserError` where no strength is left, or where the recordings are
+    too short.
     """
-    cuts = [int(len(z) * (1 - _HELD_OUT)) for z, _ in recordings]
-    if min(cuts) < 3:
-        shortest = HISTORY + min(len(z) for z, _ in recordings)
-        raise UserError(f"linear_subspace: a training sequence has {shortest} frames; wanted at least {HISTORY + 4}")
-    earlier = transitions([(z[:cut], f[:cut]) for (z, f), cut in zip(recordings, cuts, strict=True)])
-    complete = transitions(recordings)
-    error = {}
-    for strengths in product(STRENGTHS, STRENGTHS):
-        part, whole = _ridge(*earlier, *strengths), _ridge(*complete, *strengths)
-        if max(_spectral_radius(part), _spectral_radius(whole)) < 1:
-            missed = [_roll_out(part, z, f, cut) - z[cut:] for (z, f), cut in zip(recordings, cuts, strict=True)]
-            error[strengths] = np.linalg.norm(np.concatenate(missed), axis=1).mean()
-    if not error:
+    lengths = [len(z) for z, _ in recordings]
+    if int(min(lengths) * 0.75) < 3:
+        raise UserError(
+            f"linear_subspace: a training sequence has {HISTORY + min(lengths)} frames; wanted at least {HISTORY + 4}"
+        )
+    complete = Moments.of(*transitions(recordings))
+    whole: dict[tuple[float, ...], np.ndarray] = {
+        s: m for s in product(STRENGTHS, STRENGTHS) if _spectral_radius(m := _ridge(complete, *s)) < 1
+    }
+    missed: dict[tuple[float, ...], list[np.ndarray]] = {s: [] for s in whole}
+    for cuts in folds(kinds or [""] * len(recordings), lengths):
+        cut = [(z, f, max(at, 2)) for (z, f), at in zip(recordings, cuts, strict=True)]
+        earlier = Moments.of(*transitions([(z[:at], f[:at]) for z, f, at in cut if at > 2]))
+        for strengths in tuple(missed):
+            part = _ridge(earlier, *strengths)
+            if _spectral_radius(part) < 1:
+                missed[strengths] += [_roll_out(part, z, f, at) - z[at:] for z, f, at in cut if at < len(z)]
+            else:
+                del missed[strengths]
+    if not missed:
         raise UserError("linear_subspace: the fitted motion grows without bound; train on a longer or calmer sequence")
-    near_best = [s for s, e in error.items() if e <= _TOLERANCE * min(error.values())]
-    return _ridge(*complete, *max(near_best, key=lambda s: s[0] * s[1]))
+    error = {s: np.linalg.norm(np.concatenate(misses), axis=1).mean() for s, misses in missed.items()}
+    return whole[strongest(error)]
 
 
 def transitions(recordings: list[Recording]) -> Recording:
@@ -75,16 +57,12 @@ def advance(dynamics: np.ndarray, last: np.ndarray, before: np.ndarray, f: np.nd
     return np.concatenate([last, before, f, [1.0]]) @ dynamics
 
 
-def _ridge(inputs: np.ndarray, target: np.ndarray, on_codes: float, on_input: float) -> np.ndarray:
+def _ridge(moments: Moments, on_codes: float, on_input: float) -> np.ndarray:
     """The map from `transitions`' inputs to their targets; the ridge's strengths on the two parts of the input."""
-    x_mean, y_mean = inputs.mean(axis=0), target.mean(axis=0)
-    x, y, split = inputs - x_mean, target - y_mean, 2 * target.shape[1]
-    gram = x.T @ x
-    scale = np.diag(gram)
-    weight = np.full(len(gram), on_codes * scale[:split].max())
-    weight[split:] = on_input * scale[split:].max(initial=0.0)
-    linear = np.linalg.solve(gram + np.diag(weight), x.T @ y)
-    return np.concatenate([linear, (y_mean - x_mean @ linear)[None]])
+    split = 2 * len(moments.y)
+    weight = np.full(len(moments.x), on_codes * moments.largest(slice(split)))
+    weight[split:] = on_input * moments.largest(slice(split, None))
+    return moments.solve(weight)
 
 
 def _roll_out(dynamics: np.ndarray, z: np.ndarray, f: np.ndarray, start: int) -> np.ndarray:

@@ -6,7 +6,7 @@ from torch import Tensor
 from garmentbench.methods.motion_guided.frames import Pose
 from garmentbench.methods.motion_guided.generative import GenerativeModel
 from garmentbench.methods.motion_guided.posing import RandomPoses
-from garmentbench.methods.motion_guided.training import generator
+from garmentbench.methods.training import generator
 
 BATCHES, BATCH = 200, 16
 RIDGE = 1e-3

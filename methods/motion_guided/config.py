@@ -10,6 +10,7 @@ from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any
 
 from garmentbench.errors import unknown_name
+from garmentbench.methods.training import Training
 from garmentbench.sequence import Needs
 
 
@@ -43,28 +44,6 @@ class Model:
     """Ours: beside E^Sta a linear map of the descriptor, and in D the principal components of the training
     displacements, both in closed form; the networks learn what these leave. A network alone answers a garment in a new
     pose with one that it knows (trials, cm on another arm space: 0.65 alone, 0.42 with both)."""
-
-
-@dataclass(frozen=True)
-class Training:
-    """How a stage is optimised."""
-
-    steps: int = 26_250
-    """Optimiser steps. Default: the paper's 350 epochs of 300 frames in batches of 4 (the code's checkpoints: 50,000
-    steps of batch 1)."""
-    batch: int = 4
-    """Frames a step (paper: 1 to 4, code: 1)."""
-    learning_rate: float = 1e-4
-    """Of Adam; the peak where the schedule is "one_cycle"."""
-    schedule: str = "halving"
-    """"halving": halved every `halve_every` steps (paper and code); "one_cycle" (ours): a linear rise over a tenth of
-    the steps, then a cosine down to nothing."""
-    halve_every: int = 3_750
-    """Default: 50 epochs."""
-    betas: tuple[float, float] = (0.9, 0.999)
-    """Of Adam (code: 0, 0.9)."""
-    amsgrad: bool = False
-    """Code: True in stage 2."""
 
 
 @dataclass(frozen=True)

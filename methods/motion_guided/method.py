@@ -16,7 +16,7 @@ from garmentbench.methods.motion_guided.frames import BodyFrames, body_frames, l
 from garmentbench.methods.motion_guided.generative import GenerativeModel
 from garmentbench.methods.motion_guided.inputs import Inputs, dynamic_inputs, past_of
 from garmentbench.methods.motion_guided.stages import train_stages
-from garmentbench.methods.motion_guided.training import load, save
+from garmentbench.methods.training import load, save
 from garmentbench.sequence import Sequence, Template
 from garmentbench.storage.atomic import write_text
 

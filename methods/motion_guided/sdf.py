@@ -11,7 +11,7 @@ from garmentbench.geometry.nearest import nearest_vertices
 from garmentbench.method import FitRun
 from garmentbench.methods.motion_guided.config import Sdf
 from garmentbench.methods.motion_guided.frames import to_tensor
-from garmentbench.methods.motion_guided.training import generator, train
+from garmentbench.methods.training import generator, train
 from garmentbench.sequence import Template
 
 NORMAL_WEIGHT, EIKONAL_WEIGHT = 1.0, 0.1  # tau and lambda of IGR

@@ -16,7 +16,7 @@ from garmentbench.methods.motion_guided.limbs import Limbs
 from garmentbench.methods.motion_guided.losses import edge_deviation, latent_regulariser, reconstruction, sdf_violation
 from garmentbench.methods.motion_guided.posing import RandomPoses
 from garmentbench.methods.motion_guided.sdf import SignedDistance
-from garmentbench.methods.motion_guided.training import batch_at, generator, train
+from garmentbench.methods.training import batch_at, generator, train
 from garmentbench.sequence import Sequence
 
 

@@ -14,7 +14,7 @@ from garmentbench.methods.motion_guided.losses import dynamic_pair, latent_regul
 from garmentbench.methods.motion_guided.posing import RandomPoses
 from garmentbench.methods.motion_guided.samples import CHUNK, Recorded, Reposed, Sample
 from garmentbench.methods.motion_guided.stage1 import TrainingFrames
-from garmentbench.methods.motion_guided.training import batch_at, generator, train
+from garmentbench.methods.training import batch_at, generator, train
 
 POSES = 8  # random poses of each frame that the pose path is solved on
 

@@ -17,7 +17,7 @@ from garmentbench.methods.motion_guided.limbs import Limbs, find_limbs
 from garmentbench.methods.motion_guided.sdf import SignedDistance, fit_sdf
 from garmentbench.methods.motion_guided.stage1 import TrainingFrames, fit_stage1, training_frames
 from garmentbench.methods.motion_guided.stage2 import fit_stage2
-from garmentbench.methods.motion_guided.training import WEIGHTS, load
+from garmentbench.methods.training import WEIGHTS, load
 from garmentbench.sequence import Sequence, Template
 from garmentbench.storage.fingerprint import fingerprint
 

@@ -10,8 +10,11 @@ from garmentbench.errors import UserError
 from garmentbench.evaluation.rollout import roll_out
 from garmentbench.evaluation.toy import tiny_sequence
 from garmentbench.methods import METHODS, load_method
-from garmentbench.methods.baselines.linear_subspace import Config, LinearSubspace, _recorded
+from garmentbench.methods.baselines.code_dynamics import AGO
+from garmentbench.methods.baselines.linear_subspace import LinearSubspace
 from garmentbench.methods.baselines.ridge_dynamics import transitions
+from garmentbench.methods.baselines.subspace import Sizes, recorded
+from garmentbench.methods.baselines.subspace_network import config_for as network_config
 from garmentbench.methods.motion_guided.canonical import Canonical
 from garmentbench.methods.motion_guided.config import config_for
 from garmentbench.methods.motion_guided.generative import GenerativeModel
@@ -42,6 +45,8 @@ def wide(frames, scale=1.05):
 
 def few_steps(name):
     method = load_method(name)
+    if name == "subspace_network":
+        return network_config("smoke")
     if name != "motion_guided":
         return method.Config()
     config = config_for("smoke")
@@ -53,9 +58,9 @@ def test_two_halves_of_a_sequence_lack_only_the_steps_over_the_border():
     """Frame 40 begins the second half: its codes and inputs need three frames, and a step two codes before it."""
     whole = tiny_sequence(80)
     seeds = np.arange(0, 100, 10)
-    codes, inputs = _recorded(whole, seeds)
+    codes, inputs = recorded(whole, seeds, AGO)
     x, y = transitions([(codes[3:], inputs)])  # row k is the step to frame k + 5
-    halves = [_recorded(whole.frames(a, b), seeds) for a, b in ((0, CUT), (CUT, 80))]
+    halves = [recorded(whole.frames(a, b), seeds, AGO) for a, b in ((0, CUT), (CUT, 80))]
     x_halves, y_halves = transitions([(z[3:], f) for z, f in halves])
     kept = [t - 5 for t in (*range(5, CUT), *range(CUT + 5, 80))]
     np.testing.assert_array_equal(x_halves, x[kept])
@@ -75,7 +80,7 @@ def test_steps_of_two_recordings_stand_one_after_another():
 def test_a_sequence_given_twice_teaches_linear_subspace_what_it_teaches_once():
     """Twice the same steps: the same regression. The ridge is relative to the summed variances, so nothing changes."""
     train, test = tiny_sequence(60), tiny_sequence(40, phase=1.0)
-    once, twice = (LinearSubspace.fit((train,) * n, Config(codes=12), None) for n in (1, 2))
+    once, twice = (LinearSubspace.fit((train,) * n, Sizes(codes=12), None) for n in (1, 2))
     np.testing.assert_allclose(roll_out(twice, test).garment, roll_out(once, test).garment, atol=1e-5)
 
 
@@ -102,14 +107,14 @@ def test_every_method_takes_several_motions_and_bodies(name, tmp_path):
     for test in (tiny_sequence(20, phase=1.0), wide(20)):
         roll = roll_out(method, test)
         assert roll.status == "ok", roll.message
-        if name == "linear_subspace":
+        if name in ("linear_subspace", "static_ridge", "subspace_network"):
             assert l2(roll.garment[3:], test.garment[3:]) < 1.0
 
 
 def test_a_body_seen_in_training_is_predicted_better():
     test = wide(40)
     alone, both = (
-        LinearSubspace.fit(train, Config(codes=16), None)
+        LinearSubspace.fit(train, Sizes(codes=16), None)
         for train in ((tiny_sequence(60),), (tiny_sequence(60), wide(60)))
     )
     errors = [l2(roll_out(method, test).garment[3:], test.garment[3:]) for method in (alone, both)]
@@ -118,4 +123,4 @@ def test_a_body_seen_in_training_is_predicted_better():
 
 def test_too_short_a_sequence_among_several_is_told():
     with pytest.raises(UserError, match="has 6 frames; wanted at least 7"):
-        LinearSubspace.fit((tiny_sequence(40), tiny_sequence(6)), Config(), None)
+        LinearSubspace.fit((tiny_sequence(40), tiny_sequence(6)), Sizes(), None)

@@ -1,4 +1,4 @@
-"""The four baselines, on scenes where the right answer is known, and through the whole road on a tiny one."""
+"""The baselines, on scenes where the right answer is known, and through the whole road on a tiny one."""
 
 from dataclasses import replace
 
@@ -11,15 +11,18 @@ from garmentbench.evaluation.toy import tiny_sequence
 from garmentbench.geometry.blend_skinning import Skin, lift, place
 from garmentbench.method import BodyFrame, History
 from garmentbench.methods import load_method
+from garmentbench.methods.baselines.subspace_network import config_for
 from garmentbench.metrics.l2 import l2
+from garmentbench.pipeline import training_run
 
-BASELINES = ("skinning", "hold", "constant_velocity", "linear_subspace")
+BASELINES = ("skinning", "hold", "constant_velocity", "linear_subspace", "static_ridge", "subspace_network")
 KINDS = ("human", "object", None)
 
 
 def fitted(name, train):
     method = load_method(name)
-    return method.fit((train,), method.Config(), None)
+    few = config_for("smoke") if name == "subspace_network" else method.Config()
+    return method.fit((train,), few, training_run())
 
 
 def error_cm(method, test, run=roll_out):
@@ -43,7 +46,7 @@ def rigid(sequence, offset=0.0):
     )
 
 
-@pytest.mark.parametrize("name", ["skinning", "hold", "constant_velocity", "linear_subspace"])
+@pytest.mark.parametrize("name", BASELINES[:5])
 def test_what_moves_with_the_body_is_predicted_exactly(name):
     sequence = rigid(tiny_sequence(60))
     assert error_cm(fitted(name, sequence), sequence) < 1e-3

@@ -17,7 +17,7 @@ from garmentbench.methods.motion_guided.limbs import find_limbs
 from garmentbench.methods.motion_guided.posing import RandomPoses
 from garmentbench.methods.motion_guided.samples import Recorded, Reposed
 from garmentbench.methods.motion_guided.stage1 import training_frames
-from garmentbench.methods.motion_guided.training import generator
+from garmentbench.methods.training import generator
 
 CPU = torch.device("cpu")
 

@@ -5,7 +5,7 @@ import trimesh
 
 from garmentbench.methods.motion_guided.config import Sdf, Training
 from garmentbench.methods.motion_guided.sdf import SignedDistance, fit_sdf, surface_samples
-from garmentbench.methods.motion_guided.training import WEIGHTS, load
+from garmentbench.methods.training import WEIGHTS, load
 from garmentbench.sequence import Body, Garment, Template
 from garmentbench.storage.runs import RunStore
 

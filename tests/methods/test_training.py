@@ -3,11 +3,11 @@ import pytest
 import torch
 from torch import nn
 
-from garmentbench.methods.motion_guided import training
-from garmentbench.methods.motion_guided.config import Training
-from garmentbench.methods.motion_guided.training import (
+from garmentbench.methods import training
+from garmentbench.methods.training import (
     CHECKPOINT,
     WEIGHTS,
+    Training,
     batch_at,
     generator,
     learning_rate,
