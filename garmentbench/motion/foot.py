@@ -10,10 +10,9 @@ from garmentbench.motion.easing import bump, cyclic_steps, smoothstep
 from garmentbench.motion.gait import Gait
 from garmentbench.scenes.bodies import BakedBody
 
-STANCE = 0.62  # part of the cycle for which a foot is on the ground
-FLAT = 0.25  # a phase at which it is flat
-HEEL_OFF = 0.34
-CLEARANCE = 0.03  # lowest point of the foot in mid-swing [m]
+FLAT = 0.25  # a phase at which the foot is flat
+HEEL_OFF = 0.39
+CLEARANCE = 0.035  # lowest point of the foot in mid-swing [m]
 _GRID = 720  # phases at which the rolling is worked out
 _BLUR = 6.0  # the contact jumps from vertex to vertex: smoothed over this many grid phases (a quarter of a frame)
 
@@ -44,12 +43,15 @@ class FootRoll:
 def foot_pitch(gait: Gait, phase: np.ndarray) -> np.ndarray:
     """Pitch of the foot against the ground, toes up [rad]; exactly 0 between foot-flat and heel-off."""
     strike, push = np.radians(gait.heel_strike), np.radians(gait.push_off)
-    return strike + cyclic_steps(phase, ((-0.03, 0.12, -strike), (HEEL_OFF, 0.68, -push), (0.66, 0.96, strike + push)))
+    off = gait.stance
+    return strike + cyclic_steps(
+        phase, ((-0.03, 0.10, -strike), (HEEL_OFF, off + 0.10, -push), (off, 0.97, strike + push))
+    )
 
 
 def toe_bend(gait: Gait, phase: np.ndarray) -> np.ndarray:
     """Bend of the toes [rad]: they stay flat under the rising heel, and straighten after they left the ground."""
-    straightened = smoothstep((phase - np.floor(phase) - (STANCE - 0.04)) / 0.2)
+    straightened = smoothstep((phase - np.floor(phase) - (gait.stance - 0.04)) / 0.2)
     return np.maximum(-foot_pitch(gait, phase), 0.0) * (1 - straightened)
 
 
@@ -63,7 +65,7 @@ def roll_foot(baked: BakedBody, gait: Gait) -> FootRoll:
     pitch = foot_pitch(gait, phase)
     points = sole(baked, pitch, toe_bend(gait, phase))
     lowest = points[:, :, 2].argmin(axis=1)
-    needed = -points[:, :, 2].min(axis=1) + CLEARANCE * bump((phase - STANCE) / (1 - STANCE))
+    needed = -points[:, :, 2].min(axis=1) + CLEARANCE * bump((phase - gait.stance) / (1 - gait.stance)) ** 0.75
     height = _smooth(needed)
     sunk_in = (needed - height).max()  # under 1 mm, by the smoothing; the flat foot stands as at rest
     height += sunk_in * smoothstep(np.abs(pitch) / np.radians(5))
@@ -71,7 +73,7 @@ def roll_foot(baked: BakedBody, gait: Gait) -> FootRoll:
     frames = np.arange(_GRID)
     contact_moves = points[frames, lowest[:-1], 1] - points[frames + 1, lowest[:-1], 1]  # forward is -y
     forward = -np.concatenate([[0.0], np.cumsum(contact_moves)])
-    last = round(STANCE * _GRID)
+    last = round(gait.stance * _GRID)
     lifted = [forward[last], (forward[last] - forward[last - 1]) * _GRID, 0.0]
     landed = [forward[0], (forward[1] - forward[0]) * _GRID, 0.0]
     forward[last:] = BPoly.from_derivatives([phase[last], 1.0], [lifted, landed])(phase[last:])

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass, replace
 
+_LEG = 0.90215  # the base body's leg [m]
+
 
 @dataclass(frozen=True)
 class Gait:
@@ -10,7 +12,7 @@ class Gait:
     Attributes:
         arm_space: Angle of the upper arms off the hanging line, to the side.
         period: Length of a cycle [s].
-        stride: Distance covered in a cycle; the speed is stride / period.
+        stride: Distance covered in a cycle by the base body; the speed is stride / period.
         step_width: Distance between the lines that the two ankles walk on.
         arm_swing: Amplitude of the upper arm's swing, forward and back.
         elbow: Mean bend of the elbow.
@@ -18,7 +20,7 @@ class Gait:
         side_sway: Amplitude of the pelvis' path to the side.
         pelvis_turn: Amplitude of the pelvis' turn about the vertical; the chest turns against it.
         lean: Forward lean of the trunk.
-        bob: Amplitude of the rise and fall of the pelvis.
+        knee_load: Bend of the knee as the weight comes on; the more, the less the pelvis rises over the standing leg.
         heel_strike: Pitch of the foot, toes up, when the heel strikes.
         push_off: Pitch of the foot, heel up, when the toes leave the ground.
         variation: How much one stride differs from the next: 1 as in people, 0 for an exact loop (see `variation.py`).
@@ -27,17 +29,30 @@ class Gait:
     arm_space: float
     period: float = 1.09
     stride: float = 1.35
-    step_width: float = 0.13
+    step_width: float = 0.09
     arm_swing: float = 18.0
     elbow: float = 22.0
     hip_sway: float = 3.5
     side_sway: float = 0.02
     pelvis_turn: float = 5.0
     lean: float = 3.0
-    bob: float = 0.018
+    knee_load: float = 16.0
     heel_strike: float = 18.0
     push_off: float = 55.0
     variation: float = 1.0
+
+    @property
+    def stance(self) -> float:
+        """Part of the cycle for which a foot is on the ground, less in a swifter walk.
+
+        0.62 at 1.2 m/s (Perry and Burnfield 2010, "Gait Analysis", chapter 1), falling by 0.035 a metre a second
+        (Kirtley, Whittle and Jefferson 1985, "Influence of walking speed on gait parameters").
+        """
+        return 0.62 - 0.035 * (self.stride / self.period - 1.2)
+
+    def of_legs(self, length: float) -> "Gait":
+        """The gait of a body whose legs have this length [m]: its strides are as long in proportion."""
+        return replace(self, stride=self.stride * length / _LEG)
 
 
 WALK = Gait(arm_space=22.0)
@@ -73,7 +88,7 @@ GAITS = {
         hip_sway=5.0,
         pelvis_turn=8.0,
         lean=-4.0,
-        bob=0.026,
+        knee_load=12.0,
     ),
     "fast": replace(
         WALK,

@@ -27,6 +27,11 @@ class Leg:
         """Length of the stretched leg [m]."""
         return sum(self.lengths)
 
+    def span(self, bend: np.ndarray) -> np.ndarray:
+        """Distance of hip and ankle [m] at bends of the knee [rad]; the shape of bend."""
+        thigh, calf = self.lengths
+        return np.sqrt(thigh**2 + calf**2 + 2 * thigh * calf * np.cos(bend))
+
 
 def rest_leg(baked: BakedBody, side: str) -> Leg:
     """The leg of `side` ("L", "R") in the rest pose."""
@@ -61,6 +66,12 @@ def solve_leg(leg: Leg, hip: np.ndarray, ankle: np.ndarray, knee: np.ndarray) ->
     thigh = _frame(unit(knee_point), hinge) @ leg.thigh.T
     calf = _frame(unit(distance * line - knee_point), hinge) @ leg.calf.T
     return thigh, calf
+
+
+def within(reach: float, hip: np.ndarray, ankle: np.ndarray) -> np.ndarray:
+    """The ankle [m], shape (T, 3), brought nearer to the hip where it is further from it than `reach`."""
+    line = ankle - hip
+    return hip + line * np.minimum(1.0, reach / np.linalg.norm(line, axis=1))[:, None]
 
 
 def unit(vector: np.ndarray) -> np.ndarray:

@@ -14,7 +14,7 @@ from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 from garmentbench.motion.clip import Clip
 from garmentbench.motion.easing import smoothstep
 from garmentbench.motion.foot import pitch_up
-from garmentbench.motion.legs import Leg, rest_leg, solve_leg
+from garmentbench.motion.legs import rest_leg, solve_leg, within
 from garmentbench.scenes.bodies import BakedBody, joint_positions
 
 _REACH = 0.998  # of a leg's length, at most
@@ -45,7 +45,7 @@ def plant(clip: Clip, baked: BakedBody) -> Clip:
         leg, thigh = rest_leg(baked, side), joints[f"thigh.{side}"]
         hip = root + rotations[:, 0] @ (baked.joints[thigh] - baked.joints[0])
         knee = rotations[:, thigh] @ leg.knee
-        bones = solve_leg(leg, hip, _within_reach(leg, hip, ankles[k]), knee)
+        bones = solve_leg(leg, hip, within(_REACH * leg.reach, hip, ankles[k]), knee)
         rotations[:, thigh], rotations[:, joints[f"calf.{side}"]] = bones
     return replace(clip, rotations=rotations, root=root)
 
@@ -131,8 +131,3 @@ def _too_high(
         up = np.sqrt(np.maximum((_REACH * leg.reach) ** 2 - np.sum(line[:, :2] ** 2, axis=1), 0.0))
         down = np.maximum(down, np.where(standing[:, k], line[:, 2] - up, 0.0))
     return gaussian_filter1d(maximum_filter1d(down, 2 * round(2 * width) + 1), width, mode="nearest")
-
-
-def _within_reach(leg: Leg, hip: np.ndarray, ankle: np.ndarray) -> np.ndarray:
-    line = ankle - hip
-    return hip + line * np.minimum(1.0, _REACH * leg.reach / np.linalg.norm(line, axis=1))[:, None]

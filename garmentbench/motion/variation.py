@@ -25,11 +25,12 @@ class Varied:
     hip_sway: np.ndarray
     pelvis_turn: np.ndarray
     lean: np.ndarray
+    look: np.ndarray
 
 
 def vary(gait: Gait, phase: np.ndarray) -> Varied:
     """The gait at each phase, shape (T,)."""
-    drifts = [gait.variation * drift(phase, k) for k in range(6)]
+    drifts = [gait.variation * drift(phase, k) for k in range(7)]
     return Varied(
         arm_space=gait.arm_space + 1.5 * drifts[0],
         arm_swing=gait.arm_swing * (1 + 0.10 * drifts[1]),
@@ -37,6 +38,7 @@ def vary(gait: Gait, phase: np.ndarray) -> Varied:
         hip_sway=gait.hip_sway * (1 + 0.10 * drifts[3]),
         pelvis_turn=gait.pelvis_turn * (1 + 0.10 * drifts[4]),
         lean=gait.lean + 0.7 * drifts[5],
+        look=1.2 * drifts[6],
     )
 
 
