@@ -1,4 +1,4 @@
-"""The reference sequence of a scene: simulated once, its trust measured, checked, reused."""
+"""The reference sequence of a scene: simulated once, as an ensemble where it is for testing, checked, reused."""
 
 import json
 import sys
@@ -96,9 +96,22 @@ def check_scene(scene: Scene, file: Path | None = None) -> None:
         raise unknown_name("motion", scene.motion.name, motions, where)
 
 
-def make_reference(source: Source, preset: Preset) -> Reference:
+def runs_wanted(scene: Scene) -> int:
+    """How many runs the reference of a scene has, if nothing else is asked for: what is tested on is an ensemble."""
+    from garmentbench.simulation.ensemble import RUNS
+
+    return RUNS if scene.split == "test" else 1
+
+
+def make_reference(source: Source, preset: Preset, runs: int | None = None) -> Reference:
     """The reference of a scene, which is simulated unless it is there, made from the same by the same code; or a
     finished file as it is. Two processes that want the same make it once.
+
+    Args:
+        source: The scene, or the file.
+        preset: Sizes of garment and body.
+        runs: How many runs of a scene there must be at least; None: as many as `runs_wanted` says. One that has fewer
+            is made anew.
 
     Raises `UserError` for a wrong scene, or when the file can't be read or written.
     """
@@ -107,9 +120,10 @@ def make_reference(source: Source, preset: Preset) -> Reference:
     path = sequence_path(preset.mesh.name, source.name)
     identity = reference_identity(source, preset)
     with lock.take(path.with_suffix(".lock")):
-        reused = _is_made_from(path, identity)
+        runs = runs_wanted(source) if runs is None else runs
+        reused = _is_made_from(path, identity, runs)
         if not reused:
-            sequence = _simulated(source, preset)
+            sequence = _simulated(source, preset, runs)
             sequence_file.save(replace(sequence, info={**sequence.info, IDENTITY: identity}), path)
     return Reference(source.name, path, identity, reused)
 
@@ -156,8 +170,8 @@ def scene_needs(scene: Scene, mesh: MeshSize) -> Needs:
     return scene_template(scene, mesh).needs
 
 
-def _is_made_from(path: Path, identity: str) -> bool:
-    """Is the file there, whole, and made from that?"""
+def _is_made_from(path: Path, identity: str, runs: int) -> bool:
+    """Is the file there, whole, made from that, and has it as many runs?"""
     if not path.is_file():
         return False
     try:
@@ -166,18 +180,17 @@ def _is_made_from(path: Path, identity: str) -> bool:
     except UserError as e:
         print(f"{e}: made again now", file=sys.stderr)
         return False
-    return info.get(IDENTITY) == identity
+    return info.get(IDENTITY) == identity and 1 + len(info.get("runs", ())) >= runs
 
 
-def _simulated(scene: Scene, preset: Preset) -> Sequence:
-    """The reference with its uncertainty and its own scores in its info."""
-    from garmentbench.simulation.simulate import measure_uncertainty, simulate
+def _simulated(scene: Scene, preset: Preset, runs: int) -> Sequence:
+    """The reference with its own scores in its info."""
+    from garmentbench.simulation.simulate import simulate
 
     quiet_warp()
     device = "cuda:0" if has_cuda() else "cpu"
-    sequence = simulate(scene, preset, device)
-    uncertainty = measure_uncertainty(scene, preset, sequence, device=device)
-    return replace(sequence, info=sequence.info | {"uncertainty": uncertainty, "scores": reference_scores(sequence)})
+    sequence = simulate(scene, preset, device, runs)
+    return replace(sequence, info=sequence.info | {"scores": reference_scores(sequence)})
 
 
 def reference_scores(sequence: Sequence) -> dict[str, float]:

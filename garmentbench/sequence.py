@@ -3,7 +3,6 @@
 What it holds is written here; how it lies in a file is `sequence_file`'s matter.
 """
 
-import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -124,23 +123,27 @@ class Sequence:
         garment: Garment positions [m], shape (T, V, 3).
         body: Body positions [m], shape (T, B, 3); None where there is no body.
         info: Names and provenance, plain JSON values: scene, split, motion, preset, and where simulated `simulation`
-            (settings, substeps, strain, ms_per_frame), `uncertainty` {"doubling_cm", "perturbed_cm", "cm", "frames"},
-            `scores` (its own, under the metrics' names).
+            (settings, substeps, strain, ms_per_frame), `scores` (its own, under the metrics' names), `runs` (what each
+            further run is: name, status, first_bad_frame, substeps, ms_per_frame) and `ensemble` (what the runs say:
+            spread_cm, pushed_cm, finer_cm, push_growth, chaotic).
+        runs: Further runs of the same scene ("another run" of the simulator), shape (M, T, V, 3), float32, not finite
+            from the frame on in which one broke; None where there are none. Body and scores are the first run's.
     """
 
     template: Template
     garment: Float[np.ndarray, "frames vertices 3"]
     body: Float[np.ndarray, "frames body_vertices 3"] | None
     info: dict = field(default_factory=dict)
+    runs: Float[np.ndarray, "runs frames vertices 3"] | None = None
 
     def __len__(self) -> int:
         return len(self.garment)
 
     def frames(self, start: int, stop: int) -> "Sequence":
         """The same recording, frames start to stop only."""
-        return replace(
-            self, garment=self.garment[start:stop], body=None if self.body is None else self.body[start:stop]
-        )
+        body = None if self.body is None else self.body[start:stop]
+        runs = None if self.runs is None else self.runs[:, start:stop]
+        return replace(self, garment=self.garment[start:stop], body=body, runs=runs)
 
     @property
     def scores(self) -> dict[str, float]:
@@ -156,7 +159,11 @@ class Sequence:
         return self.body
 
     @property
-    def uncertainty_cm(self) -> float | None:
-        """The reference's own uncertainty [cm], or None where it is not known."""
-        cm = self.info.get("uncertainty", {}).get("cm")
-        return None if cm is None or math.isnan(cm) else cm
+    def spread_cm(self) -> float | None:
+        """What another run of the simulator errs by over the whole recording [cm], or None where it is not known."""
+        return self.info.get("ensemble", {}).get("spread_cm")
+
+    @property
+    def push_growth(self) -> float | None:
+        """What became of a push of 1 mm: above 1 the cloth is chaotic [1]; None where it is not known."""
+        return self.info.get("ensemble", {}).get("push_growth")

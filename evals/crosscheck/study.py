@@ -98,7 +98,7 @@ def _compare(run: Run, whole: Scene, preset: Preset, variant: Variant) -> None:
     write_excerpt(run.folder, reference, RollOut(ROLL_OUT, 0, garment, None, np.full((len(garment), 3), np.nan)))
     run.finish(
         {
-            "rows": _measures(garment, other.results["ms_per_frame"], reference, made.uncertainty_cm),
+            "rows": _measures(garment, other.results["ms_per_frame"], reference, made.spread_cm),
             "match": matched,
             "message": "",
         }

@@ -11,6 +11,7 @@ from garmentbench.errors import Problem, UsageError, UserError, errors
 if TYPE_CHECKING:
     from garmentbench.importing.mesh_doctor.body import Wearer
     from garmentbench.importing.mesh_doctor.mesh import Mesh
+    from garmentbench.sequence import Sequence
 
 
 @dataclass(frozen=True)
@@ -121,7 +122,7 @@ class Check:
         problems = check_sequence(self.file)
         if not errors(problems):
             sequence = sequence_file.load(self.file)
-            print(f"{self.file}: {_uncertainty(sequence.uncertainty_cm)}")
+            print(f"{self.file}: {_spread(sequence)}")
             problems += never_worn(sequence)
             found = examine_template(mesh_of(sequence.template.garment))
             problems += [replace(f.problem, where=f"garment {f.problem.where}", warning=True) for f in found]
@@ -142,11 +143,14 @@ def _shift(given: str) -> tuple[float, float, float]:
     return x, y, z
 
 
-def _uncertainty(cm: float | None) -> str:
-    """What a sequence's own uncertainty [cm] means for who reads errors against it."""
-    if cm is None:
-        return "uncertainty not measured: how small a difference means something is unknown"
-    return f"uncertainty {cm:.2g} cm: differences below it mean nothing"
+def _spread(sequence: "Sequence") -> str:
+    """What the runs of a sequence mean for who reads errors against it."""
+    from garmentbench.metrics.push_growth import regime
+
+    if sequence.spread_cm is None:
+        return "spread not measured (one run): how small a difference means something is unknown"
+    growth = regime(sequence.push_growth)
+    return f"spread {sequence.spread_cm:.2g} cm, {growth}: differences below the spread mean nothing"
 
 
 def _verdict(file: Path, problems: list[Problem]) -> None:

@@ -28,6 +28,7 @@ class Simulate:
     Example: garmentbench simulate tshirt-armspace-75 tshirt-armspace-90 --preset smoke
     Example: garmentbench simulate "dress-*" split=test --jobs 2
     Example: garmentbench simulate --all
+    Example: garmentbench simulate dress-armspace-90 --runs 8
     Example: garmentbench simulate --garment poncho.npz --motion catwalk --body slim --frames 100
 
     Attributes:
@@ -39,6 +40,8 @@ class Simulate:
         frames: With --garment: the scene's length.
         split: With --garment: train or test.
         pins: With --garment: what the body holds fast, "top 3 cm" or the name of a group of faces in an OBJ file.
+        runs: Runs in all of each scene, further ones changed in what should not matter; by default 4 of what is for
+            testing, one of what is for training.
         jobs: How many at a time; by default one a core.
         preset: Size: smoke, laptop, desktop or paper.
         mesh: Another size of garment and body than the preset's.
@@ -53,6 +56,7 @@ class Simulate:
     frames: int = 100
     split: Literal["train", "test"] = "test"
     pins: str = ""
+    runs: int | None = None
     jobs: int | None = None
     preset: str = "laptop"
     mesh: str | None = None
@@ -73,6 +77,8 @@ class Simulate:
             raise UsageError("simulate: --garment makes a scene of its own; give it without names and without --all")
         if self.jobs is not None and self.jobs < 1:
             raise UsageError(f"simulate: --jobs is {self.jobs}; wanted at least 1")
+        if self.runs is not None and self.runs < 1:
+            raise UsageError(f"simulate: --runs is {self.runs}; wanted at least 1")
         scenes = [self._own_scene()] if self.garment else choose_scenes(self.scenes)
         files = {} if self.garment else chosen_files(self.scenes)
         for scene in scenes:
@@ -85,7 +91,11 @@ class Simulate:
         choose_device(self.device)
         require_device(size)
         workers = min(len(scenes), self.jobs or core_count())
-        made = _in_parallel(scenes, size, workers) if workers > 1 else [_made(scene, size) for scene in scenes]
+        made = (
+            _in_parallel(scenes, size, self.runs, workers)
+            if workers > 1
+            else [_made(scene, size, self.runs) for scene in scenes]
+        )
         for reference in made:
             if not isinstance(reference, str):
                 _print(reference, started)
@@ -123,20 +133,25 @@ class Simulate:
 
 
 def _print(reference: "Reference", started: float) -> None:
-    """The sequence's path and uncertainty, where it went wrong, and, if it was made since `started` (a time of
+    """The sequence's path and spread, where it went wrong, and, if it was made since `started` (a time of
     `time.time`), what `check` would warn of."""
     from garmentbench import sequence_file
+    from garmentbench.metrics.push_growth import regime
     from garmentbench.report.card_text import flaw
     from garmentbench.sequence_file.examine import check_sequence
 
     sequence = sequence_file.load(reference.path, frames=1)
-    uncertainty, simulation = sequence.uncertainty_cm, sequence.info.get("simulation", {})
-    print(reference.path if uncertainty is None else f"{reference.path}: ± {uncertainty:.2g} cm")
-    chance = flaw("uncertainty", uncertainty)
+    spread, simulation = sequence.spread_cm, sequence.info.get("simulation", {})
+    told = "" if spread is None else f": spread {spread:.2g} cm, {regime(sequence.push_growth)}"
+    print(f"{reference.path}{told}")
+    chance = flaw("spread", spread)
     if chance is not None:
         do = "Errors below it mean nothing: raise bending in its [material], shorten what hangs free"
         cross = "" if simulation.get("settings", {}).get("self_contact") else ", switch self_contact on if faces cross"
         print(f"{reference.name}: warning: {chance} {do}{cross}.")
+    for run in sequence.info.get("runs", ()):
+        if run["first_bad_frame"] is not None:
+            print(f"{reference.name}: run {run['name']} is {run['status']} from frame {run['first_bad_frame']} on")
     if simulation.get("first_bad_frame") is not None:
         bad = f"{simulation['status']} from frame {simulation['first_bad_frame']} on"
         print(f"{reference.name}: {bad}, see its data card")
@@ -145,23 +160,23 @@ def _print(reference: "Reference", started: float) -> None:
         print(f"{reference.name}: {'warning' if problem.warning else 'error'}: {problem}")
 
 
-def _made(scene: "Scene", size: "Preset") -> "Reference | str":
+def _made(scene: "Scene", size: "Preset", runs: int | None) -> "Reference | str":
     """The reference of a scene, or why it could not be made."""
     from garmentbench.reference import make_reference
 
     try:
-        return make_reference(scene, size)
+        return make_reference(scene, size, runs)
     except UserError as e:
         return f"simulate {scene.name}: {e}"
 
 
-def _in_parallel(scenes: list["Scene"], size: "Preset", workers: int) -> "list[Reference | str]":
+def _in_parallel(scenes: list["Scene"], size: "Preset", runs: int | None, workers: int) -> "list[Reference | str]":
     """The references, or why one could not be made."""
     from garmentbench.reference import make_reference
     from garmentbench.storage.jobs import Failure, Job, run_jobs
 
     jobs = [
-        Job((scene.name,), f"simulate {scene.name}", make_reference, arguments=(scene, size), cost=scene.frames)
+        Job((scene.name,), f"simulate {scene.name}", make_reference, arguments=(scene, size, runs), cost=scene.frames)
         for scene in scenes
     ]
     made = run_jobs({job.key: job for job in jobs}, workers)

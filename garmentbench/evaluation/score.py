@@ -70,7 +70,7 @@ def _row(metric: Metric, roll: RollOut, motion: Motion, sequence: Sequence, hori
     value = math.nan if metric.whole and roll.status != OK else metric.compute(motion)
     columns = {"horizon": horizon, "status": roll.status, "first_bad_frame": roll.first_bad_frame}
     if metric.unit == "cm":
-        columns["uncertainty"] = sequence.uncertainty_cm
+        columns["uncertainty"] = sequence.spread_cm
     if metric.unit == "ms" and under_load(motion, metric):
         columns["note"] = UNDER_LOAD
     return Row.of(metric, value, **columns)

@@ -8,7 +8,9 @@ _ROWS, _COLUMNS = 7, 14
 _RADII = np.array([0.20, 0.16, 0.80])  # of the ellipsoid [m]
 
 
-def tiny_sequence(frames: int = 30, kind: str | None = HUMAN, fps: float = 30.0, phase: float = 0.0) -> Sequence:
+def tiny_sequence(
+    frames: int = 30, kind: str | None = HUMAN, fps: float = 30.0, phase: float = 0.0, runs: int = 0
+) -> Sequence:
     """The tiny sequence.
 
     Args:
@@ -17,16 +19,21 @@ def tiny_sequence(frames: int = 30, kind: str | None = HUMAN, fps: float = 30.0,
             at all).
         fps: Frames a second.
         phase: Where the swaying begins [rad]: another phase, another sequence.
+        runs: How many further runs it has, each of which sways a little later on the same body.
     """
     rest, faces, uv, seams = _tube()
     body = _ellipsoid(kind)
     swing = 0.5 * np.sin(2 * np.pi * 1.1 * np.arange(frames) / fps + phase)
-    late = 0.5 * np.sin(2 * np.pi * 1.1 * (np.arange(frames) / fps - 0.03 * (1 + rest[:, 2:])) + phase).T  # (T, V)
     walk = np.stack([0.3 * np.arange(frames) / fps, 0.1 * swing, 0.9 + 0 * swing], axis=-1)[:, None]  # (T, 1, 3)
     template = Template(Garment("tube", rest, faces, uv, seams), body, fps)
-    garment = (_turned(rest, late) + walk).astype(np.float32)
+
+    def cloth(lag: float) -> np.ndarray:
+        late = 0.5 * np.sin(2 * np.pi * 1.1 * (np.arange(frames) / fps - lag * (1 + rest[:, 2:])) + phase).T  # (T, V)
+        return (_turned(rest, late) + walk).astype(np.float32)
+
     moving = None if body is None else (_turned(body.rest, swing[:, None]) + walk).astype(np.float32)
-    return Sequence(template, garment, moving, {"scene": "tiny", "split": "train"})
+    further = np.stack([cloth(0.03 + 0.01 * k) for k in range(1, runs + 1)]) if runs else None
+    return Sequence(template, cloth(0.03), moving, {"scene": "tiny", "split": "train"}, further)
 
 
 def _turned(points: np.ndarray, angle: np.ndarray) -> np.ndarray:

@@ -22,6 +22,7 @@ class Motion:
         before_collision: As `predicted`, before the method's collision stage; None where it has none.
         ms: Wall time of each frame's prepare, predict and collide [ms], shape (T, 3); None where nothing was timed.
         processor_ms: Processor time of each frame [ms], shape (T,); None where it was not taken.
+        runs: Further runs of the reference [m], shape (M, T, V, 3); None where there are none.
     """
 
     predicted: Float[np.ndarray, "frames vertices 3"]
@@ -31,11 +32,17 @@ class Motion:
     before_collision: Float[np.ndarray, "frames vertices 3"] | None = None
     ms: Float[np.ndarray, "frames 3"] | None = None
     processor_ms: Float[np.ndarray, " frames"] | None = None
+    runs: Float[np.ndarray, "runs frames vertices 3"] | None = None
 
     @classmethod
     def of(cls, sequence: Sequence) -> "Motion":
         """A sequence as its own prediction."""
-        return cls(sequence.garment, sequence.garment, sequence.body, sequence.template)
+        return cls(sequence.garment, sequence.garment, sequence.body, sequence.template, runs=sequence.runs)
+
+    @property
+    def ensemble(self) -> list[Float[np.ndarray, "frames vertices 3"]]:
+        """All runs of the reference [m], each of shape (T, V, 3), the first one first."""
+        return [self.reference, *([] if self.runs is None else self.runs)]
 
     @cached_property
     def distances(self) -> Float[np.ndarray, "frames vertices"]:

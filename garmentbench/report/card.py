@@ -81,10 +81,16 @@ def _body_count(what: str) -> Callable[[Sequence], float | None]:
     return lambda s: 0.0 if s.template.body is None else float(len(getattr(s.template.body, what)))
 
 
-COUNTS, COST, UNCERTAINTY, PENETRATION, SELF, STRAIN = SECTIONS = (
+def _broken(sequence: Sequence) -> float | None:
+    """How many of the further runs are not finite or no cloth any more; None where there are none."""
+    runs = sequence.info.get("runs")
+    return None if runs is None else float(sum(run["status"] != "ok" for run in runs))
+
+
+COUNTS, COST, SPREAD, PENETRATION, SELF, STRAIN = SECTIONS = (
     "Counts",
     "Cost to make",
-    "Uncertainty",
+    "Spread",
     "Penetration",
     "Self-intersection",
     "Strain",
@@ -100,10 +106,12 @@ FACTS = (
     Fact("body_faces", COUNTS, "body faces", "", _body_count("faces")),
     _score("ms_per_frame", COST, "simulator, a frame"),
     Fact("substeps", COST, "substeps a frame", "", _noted("simulation", "substeps")),
-    Fact("uncertainty", UNCERTAINTY, "the larger of the next two", "cm", lambda s: s.uncertainty_cm),
-    Fact("doubling_cm", UNCERTAINTY, "twice the substeps", "cm", _noted("uncertainty", "doubling_cm")),
-    Fact("perturbed_cm", UNCERTAINTY, "start pushed by 1 mm", "cm", _noted("uncertainty", "perturbed_cm")),
-    Fact("uncertainty_frames", UNCERTAINTY, "frames compared", "", _noted("uncertainty", "frames")),
+    Fact("runs", SPREAD, "runs", "", lambda s: 1 + len(s.info.get("runs", ()))),
+    Fact("runs_broken", SPREAD, "further runs that broke", "", _broken),
+    Fact("spread", SPREAD, "two runs are apart", "cm", lambda s: s.spread_cm),
+    Fact("pushed_cm", SPREAD, "pushed by 1 mm, from the first", "cm", _noted("ensemble", "pushed_cm")),
+    Fact("finer_cm", SPREAD, "twice the substeps and queries, from the first", "cm", _noted("ensemble", "finer_cm")),
+    Fact("push_growth", SPREAD, "growth of the push, last fifth", "1", _noted("ensemble", "push_growth")),
     Fact(
         "has_inside",
         PENETRATION,

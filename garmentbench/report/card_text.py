@@ -4,11 +4,13 @@ import math
 
 from garmentbench.evaluation.score import SHORT_HORIZON
 from garmentbench.method import HISTORY
-from garmentbench.report.card import COST, FACTS, NEEDS_INSIDE, SECTIONS, UNCERTAINTY, YES_NO, Card, Fact
+from garmentbench.metrics.push_growth import regime
+from garmentbench.report.card import COST, FACTS, NEEDS_INSIDE, SECTIONS, SPREAD, YES_NO, Card, Fact
 
 LIMITS = (  # what makes a flaw: a fact, the most it may be, and how it is said
     ("interpenetration_strict", 0.1, "{0:.2g} % of the garment's vertices lie inside the body, more than {1:g} %."),
-    ("uncertainty", 0.3, "Its own uncertainty is {0:.2g} cm, more than {1:g} cm."),
+    ("spread", 1.0, "Two runs of it are {0:.2g} cm apart, more than {1:g} cm."),
+    ("runs_broken", 0.0, "{0:.0f} of its further runs broke."),
     (
         "strain_p99_max",
         10.0,
@@ -17,7 +19,8 @@ LIMITS = (  # what makes a flaw: a fact, the most it may be, and how it is said
     ("self_intersection", 0.0, "{0:.2g} % of the faces pass through another."),
 )
 _NOTES = {
-    UNCERTAINTY: "Mean distance over vertices and frames when nothing that matters is changed.",
+    SPREAD: "How far runs of the same scene are apart that differ by nothing that matters: mean distance over "
+    "vertices and frames.",
 }
 
 _PURPOSE = {  # of a split
@@ -42,6 +45,7 @@ def markdown(card: Card) -> str:
         lines += [_NOTES[section], ""] if section in _NOTES else []
         lines += ["| | |", "|---|---:|", *(_row(card, fact) for fact in FACTS if fact.section == section), ""]
         lines += [_whole_time(card), ""] if section == COST else []
+        lines += [_regime(card), ""] if section == SPREAD else []
     lines += [
         "## Known flaws",
         "",
@@ -65,8 +69,8 @@ def flaws(card: Card) -> list[str]:
         found.append("How it was made is not known.")
     unmeasured = [
         what
-        for name, what in (("uncertainty", "uncertainty"), ("self_intersection", "self-intersection"))
-        if name not in n
+        for name, what in (("spread", "spread"), ("self_intersection", "self-intersection"))
+        if name not in n and not (name == "spread" and card.split == "train")  # which is one run on purpose
     ]
     if unmeasured:
         found.append(f"Not measured: {' and '.join(unmeasured)}.")
@@ -92,7 +96,19 @@ def _whole_time(card: Card) -> str:
         return "What it cost is not known."
     seconds = card.numbers["ms_per_frame"] * card.numbers["frames"] / 1e3
     time = f"{seconds:.2g} seconds" if seconds < 60 else f"{seconds / 60:.2g} minutes"
-    return f"{time} for all frames, in one process; the two runs that measure the uncertainty are not counted."
+    return f"{time} for all frames, in one process; further runs are not counted."
+
+
+def _regime(card: Card) -> str:
+    """Is it contracting or chaotic, in words?"""
+    growth = card.numbers.get("push_growth")
+    if growth is None:
+        return "Whether the cloth forgets a push is not known: no further run says so."
+    what = {
+        "contracting": "the cloth forgets where it was, and one run can stand for all",
+        "chaotic": "no single run can be the truth, and errors are measured against all of them",
+    }[regime(growth)]
+    return f"The scene is **{regime(growth)}**: a push of 1 mm is {growth:.2g} mm in the last fifth of it; {what}."
 
 
 def _row(card: Card, fact: Fact) -> str:
@@ -114,7 +130,7 @@ def _value(card: Card, fact: Fact) -> str:
 
 def _how(card: Card) -> list[str]:
     n = card.numbers
-    frames, uncertainty = n["frames"], n.get("uncertainty")
+    frames, spread = n["frames"], n.get("spread")
     preset = f" --preset {card.preset}" if card.preset else ""
     scene = card.scene if card.status else f"{card.scene}.h5"
     train = f"garmentbench train METHOD --scene {scene}{preset}"
@@ -129,9 +145,10 @@ def _how(card: Card) -> list[str]:
         "- A method sees the body up to the present frame only.",
     ]
     lines.append(
-        "- Say that its uncertainty is unknown beside every error."
-        if uncertainty is None
-        else f"- Report the uncertainty beside every error: differences below {uncertainty:.2g} cm mean nothing."
+        "- Say that its spread is unknown beside every error."
+        if spread is None
+        else f"- Report the spread beside every error: another run of the simulator errs by {spread:.2g} cm, and a "
+        "difference below it means nothing."
     )
     if n.get("has_inside") == 0:
         lines.append("- There is no human body: interpenetration is not reported.")

@@ -34,6 +34,18 @@ def finite(name: str, array: np.ndarray) -> list[Problem]:
     return [Problem(name, what, "simulate with smaller steps, or cut the recording before that frame")]
 
 
+def runs_finite(a: Arrays) -> list[Problem]:
+    """Further runs that broke. They stay in the file, and what is measured against the ensemble leaves them out."""
+    problems = []
+    for k, run in enumerate(a["garment/runs"], start=1):
+        good = np.isfinite(run).all(axis=(1, 2))
+        if not good.all():
+            what = f"further run {k} is not finite from frame {int(np.argmin(good))} on; errors leave it out"
+            do = "simulate with smaller steps (step_margin under [simulation]), or bear it in mind"
+            problems.append(Problem("garment/runs", what, do, warning=True))
+    return problems
+
+
 def not_empty(name: str) -> Check:
     """Has an array any rows?"""
 

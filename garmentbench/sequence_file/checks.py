@@ -11,6 +11,7 @@ from garmentbench.sequence_file.array_checks import (
     mesh,
     not_empty,
     pattern,
+    runs_finite,
     scale,
     seams,
     starts_inside,
@@ -82,7 +83,8 @@ def _rate_and_kind(contents: Contents) -> list[Problem]:
 
 
 _CHECKS: tuple[tuple[Check, tuple[str, ...]], ...] = (
-    *((not_empty(n), (n,)) for n in ARRAYS if n.endswith(("/rest", "/faces", "/frames"))),
+    *((not_empty(n), (n,)) for n in ARRAYS if n.endswith(("/rest", "/faces", "/frames", "/runs"))),
+    (runs_finite, ("garment/runs",)),
     (scale("garment/rest"), ("garment/rest",)),
     (scale("body/rest"), ("body/rest",)),
     (indices("garment/faces", "garment/rest"), ("garment/faces", "garment/rest")),

@@ -4,6 +4,8 @@
     garment                 attribute name
         rest faces uv seams pins cut   cut absent where there is no pattern
         frames              positions, shape (T, V, 3), float32
+        runs                positions of further runs of the same scene, shape (M, T, V, 3), float32, NaN from the frame
+                            on in which one broke; absent where there are none
     body                    attributes name, kind, part_names (JSON); absent where there is no body
         rest faces labels   labels absent where the body has no parts
         frames              positions, shape (T, B, 3), float32
@@ -19,7 +21,7 @@ import numpy as np
 
 from garmentbench.sequence import Body, Garment, Sequence, Template
 
-KIND, SCHEMA, UNITS = "sequence", 1, "metres, seconds, z up"
+KIND, SCHEMA, UNITS = "sequence", 2, "metres, seconds, z up"
 REMAKE = "make it again (garmentbench simulate, or the import that made it)"
 
 ARRAYS = {  # dtype and shape; the same letter stands for the same number everywhere
@@ -30,12 +32,13 @@ ARRAYS = {  # dtype and shape; the same letter stands for the same number everyw
     "garment/pins": ("int32", ("P",)),
     "garment/cut": ("float32", ("V", 2)),
     "garment/frames": ("float32", ("T", "V", 3)),
+    "garment/runs": ("float32", ("M", "T", "V", 3)),
     "body/rest": ("float32", ("B", 3)),
     "body/faces": ("int32", ("K", 3)),
     "body/labels": ("int8", ("B",)),
     "body/frames": ("float32", ("T", "B", 3)),
 }
-OPTIONAL = frozenset({"garment/cut", "body/labels"})
+OPTIONAL = frozenset({"garment/cut", "garment/runs", "body/labels"})
 COUNTED = {"V": "garment vertices", "B": "body vertices", "T": "frames"}
 
 
@@ -82,6 +85,8 @@ def contents_of(sequence: Sequence) -> Contents:
     if garment.cut is not None:
         arrays["garment/cut"] = garment.cut
     arrays["garment/frames"] = sequence.garment
+    if sequence.runs is not None:
+        arrays["garment/runs"] = sequence.runs
     names = Names(garment.name)
     if body is not None:
         arrays |= {"body/rest": body.rest, "body/faces": body.faces, "body/frames": sequence.body}
@@ -99,4 +104,5 @@ def sequence_of(contents: Contents) -> Sequence:
     body = None
     if names.body is not None and names.kind is not None:
         body = Body(names.body, a["body/rest"], a["body/faces"], a.get("body/labels"), names.part_names, names.kind)
-    return Sequence(Template(garment, body, contents.fps), a["garment/frames"], a.get("body/frames"), contents.info)
+    template, frames, moving = Template(garment, body, contents.fps), a["garment/frames"], a.get("body/frames")
+    return Sequence(template, frames, moving, contents.info, a.get("garment/runs"))

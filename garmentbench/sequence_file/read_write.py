@@ -89,8 +89,7 @@ def read(path: Path, frames: int | None = None) -> tuple[Contents, list[Problem]
             try:
                 stored = hdf5.dataset(file, name)
                 if stored is not None:
-                    part = slice(frames) if name.endswith("/frames") and stored.ndim else ()
-                    arrays[name] = np.asarray(stored[part])
+                    arrays[name] = np.asarray(stored[_first(name, stored.ndim, frames)])
             except hdf5.DAMAGED as e:
                 problems.append(Problem(name, f"can't be read ({hdf5.reason(e)})", REMAKE))
         attributes = _Attributes(file)
@@ -98,6 +97,12 @@ def read(path: Path, frames: int | None = None) -> tuple[Contents, list[Problem]
     unreadable = {p.where for p in problems}
     missing_or_odd = [p for p in shape_problems(contents) if p.where not in unreadable]
     return contents, problems + attributes.problems + missing_or_odd
+
+
+def _first(name: str, axes: int, frames: int | None) -> tuple[slice, ...]:
+    """Which part of an array has the first `frames` (None: all), where it has frames and as many axes as it must."""
+    _, shape = ARRAYS[name]
+    return (slice(None),) * shape.index("T") + (slice(frames),) if "T" in shape and axes == len(shape) else ()
 
 
 class _Attributes:

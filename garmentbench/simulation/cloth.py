@@ -66,6 +66,10 @@ class Solver:
         """Move the origin by `offset` [m], shape (3,), so that positions stay small and float32 precise."""
         self.cloth.x.assign(self.positions - offset.astype(np.float32))
 
+    def push(self, offsets: Float[np.ndarray, "particles 3"]) -> None:
+        """Move each particle by its offset [m], shape (P, 3), without a change of its velocity."""
+        self.cloth.x.assign(self.positions + offsets.astype(np.float32))
+
     def advance(self) -> None:
         """One frame. The collider must hold that frame already."""
         if not wp.get_device(self.device).is_cuda:

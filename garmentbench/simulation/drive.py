@@ -12,6 +12,7 @@ from garmentbench.scenes.material import Material, Settings
 from garmentbench.sequence import Body, Garment
 from garmentbench.simulation.assembly import Fabric, assemble
 from garmentbench.simulation.cloth import Solver
+from garmentbench.simulation.ensemble import Push
 from garmentbench.simulation.obstacle import Obstacle
 from garmentbench.simulation.time_step import substeps
 from garmentbench.simulation.xpbd import XpbdSolver
@@ -71,6 +72,7 @@ def drive(
     serial: bool | None = None,
     budget: int | None = None,
     inner: tuple[Body, Float[np.ndarray, "frames inner_vertices 3"]] | None = None,
+    push: Push | None = None,
     step: Callable[[], None] = lambda: None,
 ) -> Simulated:
     """Simulate a garment on a moving body.
@@ -85,6 +87,7 @@ def drive(
         device, serial: See `Solver`.
         budget: Use XPBD with this many substeps a frame instead of the reference solver with as many as it needs.
         inner: The garment beneath as a body, and its positions [m], shape (T, B', 3), float64.
+        push: The cloth is pushed in that frame.
         step: Called after each frame.
     """
     fabric = assemble(garment, material, settings)
@@ -97,6 +100,8 @@ def drive(
     count = len(origins)
     first = np.zeros_like(fabric.rest)
     first[fabric.particle] = start - origins[0] + _noise(fabric, settings)[fabric.particle]
+    if push is not None and push.frame == 0:
+        first += push.offsets(first, fabric.pinned)
     touched = None if obstacle is None else (obstacle.surfaces, obstacle.positions[0] - origins[0])
     if budget is None:
         kind, n = Solver, substeps(fabric, material, settings, 1 / fps)
@@ -111,6 +116,8 @@ def drive(
         if obstacle is not None and solver.collider is not None:
             solver.collider.set_frame(*obstacle.between(t - 1, origins[t - 1], fps))
         solver.advance()
+        if push is not None and push.frame == t:
+            solver.push(push.offsets(solver.positions, fabric.pinned))
         out.note(t, solver, origins[t - 1])
         if np.any(origins[t] != origins[t - 1]):
             solver.shift(origins[t] - origins[t - 1])

@@ -15,6 +15,7 @@ from garmentbench.scenes.presets import Preset
 from garmentbench.scenes.scene import Scene
 from garmentbench.sequence import Body, Garment
 from garmentbench.simulation.drive import Simulated, drive
+from garmentbench.simulation.ensemble import FIRST, Member
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,7 @@ class Outfit:
         self,
         frames: int,
         device: str,
-        change: Callable[[Settings], Settings] = lambda s: s,
+        member: Member = FIRST,
         step: Callable[[], None] = lambda: None,
     ) -> list["Worn"]:
         """Drive every layer through the warm-up and so many `frames` more, fewer where the one beneath becomes not
@@ -63,7 +64,7 @@ class Outfit:
         Args:
             frames: At most the scene's.
             device: Warp device.
-            change: Applied to the settings of every layer.
+            member: Which run of an ensemble; what it changes, it changes of every layer.
             step: Called after each frame of each layer.
         """
         count, worn = self.animation.warm_up + frames, []
@@ -79,9 +80,10 @@ class Outfit:
                 self.animation.positions[:seen],
                 self.fps,
                 layer.material,
-                change(layer.settings),
+                member.settings(layer.settings),
                 device,
                 inner=beneath,
+                push=member.push_at(self.animation.warm_up),
                 step=step,
             )
             worn.append(Worn(layer.garment, run))

@@ -36,11 +36,13 @@ def create(path: Path, kind: str, schema: int) -> Iterator[h5py.File]:
 
 
 def put(file: h5py.File, name: str, array: np.ndarray) -> None:
-    """Write an array: per-frame arrays (three axes) chunked by frames and compressed without loss, others plain."""
+    """Write an array: per-frame arrays (three axes, or four with one for runs before them) chunked by frames and
+    compressed without loss, others plain."""
     if array.ndim < 3 or array.size == 0:
         file.create_dataset(name, data=array)
         return
-    chunks = (min(_FRAMES_A_CHUNK, len(array)), *array.shape[1:])
+    *before, frames, points, axes = array.shape
+    chunks = (*(1 for _ in before), min(_FRAMES_A_CHUNK, frames), points, axes)
     file.create_dataset(name, data=array, chunks=chunks, compression="gzip", compression_opts=1, shuffle=True)
 
 

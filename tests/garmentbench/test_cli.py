@@ -343,6 +343,8 @@ def test_ctrl_c_in_a_simulation_then_the_same_command(home):
     second = process(home, *command)
     out, err = second.communicate(timeout=120)
     assert second.returncode == 0, err
-    path, uncertainty = out.splitlines()[0].split(": ")
+    path, spread = out.splitlines()[0].split(": ")
     sequence = sequence_file.load(Path(path))
-    assert len(sequence) == 40 and uncertainty == f"± {sequence.uncertainty_cm:.2g} cm"
+    assert (
+        len(sequence) == 40 and len(sequence.runs) == 3 and spread.startswith(f"spread {sequence.spread_cm:.2g} cm, c")
+    )

@@ -107,7 +107,7 @@ def test_what_must_be_known_of_a_number_stands_beside_it(files, capsys):
     """The reference's own value and uncertainty (N2), a method that reads the reference (N7), a time under load
     (N12)."""
     test = sequence_file.load(files / "test.h5")
-    info = test.info | {"uncertainty": {"cm": 0.25}}
+    info = test.info | {"ensemble": {"spread_cm": 0.25}}
     sequence_file.save(replace(test, info=info), files / "test.h5")
     scenes = ("--train-scene", "one.h5", "--scene", "test.h5")
     _, out, _ = typed(capsys, "evaluate", "foreign_methods:KnowsTheAnswer", *scenes, *SMALL)

@@ -24,7 +24,7 @@ SIMULATED = {
     "split": "test",
     "motion": "armspace-90",
     "simulation": {"status": "ok", "ms_per_frame": SIMULATOR_MS},
-    "uncertainty": {"cm": UNCERTAINTY},
+    "ensemble": {"spread_cm": UNCERTAINTY},
 }
 
 

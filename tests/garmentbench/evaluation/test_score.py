@@ -48,7 +48,7 @@ def by_name(rows):
 
 def test_rows_of_a_whole_roll_out():
     sequence = tiny_sequence(60)
-    sequence.info["uncertainty"] = {"cm": 0.2}
+    sequence.info["ensemble"] = {"spread_cm": 0.2}
     sequence.info["simulation"] = {"ms_per_frame": 44.0}
     rows = by_name(score(shifted(sequence), shifted(sequence, 0.005, "one_step"), sequence))
     assert {m for m, _ in rows} == BODY_METRICS | OTHERS
@@ -180,12 +180,12 @@ def test_what_a_reference_keeps_is_under_the_metrics_names():
 def test_a_roll_out_nearer_than_the_reference_can_be_repeated_is_noted(metres, note):
     """N7: a method that reads the reference gets 0 cm; the value stays."""
     sequence = tiny_sequence(60)
-    sequence.info["uncertainty"] = {"cm": 0.2}
+    sequence.info["ensemble"] = {"spread_cm": 0.2}
     rows = by_name(score(shifted(sequence, metres), shifted(sequence, 0.00005, "one_step"), sequence))
     assert rows["rollout_l2", 50].note == rows["rollout_l2", 60].note == note
     assert rows["rollout_l2", 60].value == pytest.approx(100 * metres, rel=1e-3)
     assert rows["one_step_l2", 1].note == ""  # three true frames are given: it may be nearer
-    sequence.info.pop("uncertainty")
+    sequence.info.pop("ensemble")
     unknown = "" if metres else EXACTLY_ZERO
     assert by_name(score(shifted(sequence, metres), None, sequence))["rollout_l2", 60].note == unknown
 
@@ -209,12 +209,12 @@ def test_a_row_is_kept_as_plain_values_and_read_back():
 
 
 @pytest.mark.parametrize(("metres", "note"), [(0.0, EXACTLY_ZERO), (0.00005, ""), (0.01, "")])
-@pytest.mark.parametrize("uncertainty", [{"cm": 0.2}, None])
+@pytest.mark.parametrize("uncertainty", [{"spread_cm": 0.2}, None])
 def test_a_single_step_is_noted_where_it_makes_no_error_at_all(metres, note, uncertainty):
     """An honest rule may beat the uncertainty there, which gathers over a whole run."""
     sequence = tiny_sequence(60)
     if uncertainty:
-        sequence.info["uncertainty"] = uncertainty
+        sequence.info["ensemble"] = uncertainty
     rows = by_name(score(shifted(sequence), shifted(sequence, metres, "one_step"), sequence))
     assert rows["one_step_l2", 1].note == note
 

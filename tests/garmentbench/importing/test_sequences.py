@@ -212,7 +212,7 @@ def test_a_film_s_caches_become_the_sequence_they_were(home, capsys):
         "me",
         None,
     )
-    assert (info["scene"], info["split"], read.uncertainty_cm) == ("my", "test", None)
+    assert (info["scene"], info["split"], read.spread_cm) == ("my", "test", None)
     assert not template.needs.part_radii and template.needs.body
     files = info["imported"]["files"]
     assert (

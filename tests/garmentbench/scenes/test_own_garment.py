@@ -213,15 +213,15 @@ def test_a_garment_of_the_wardrobe_given_as_a_file_is_told_what_to_do(home, caps
 
 
 @pytest.mark.parametrize(("cm", "warned"), [(3.9, True), (0.2, False)])
-def test_an_uncertainty_in_which_errors_drown_is_warned_of(home, capsys, monkeypatch, cm, warned):
+def test_a_spread_in_which_errors_drown_is_warned_of(home, capsys, monkeypatch, cm, warned):
     """... with the words of the data card's known flaws, and what to do."""
     sequence = tiny_sequence(8)
-    sequence_file.save(replace(sequence, info={**sequence.info, "uncertainty": {"cm": cm}}), home / "a.h5")
+    sequence_file.save(replace(sequence, info={**sequence.info, "ensemble": {"spread_cm": cm}}), home / "a.h5")
     reference = Reference("sheet-stick-a", home / "a.h5", "")
     monkeypatch.setattr("garmentbench.reference.make_reference", lambda *_: reference)
     code, out, _ = typed(capsys, "simulate", "sheet-stick-a", "--preset", "smoke")
     warning = (
-        "sheet-stick-a: warning: Its own uncertainty is 3.9 cm, more than 0.3 cm. Errors below it mean nothing: raise"
+        "sheet-stick-a: warning: Two runs of it are 3.9 cm apart, more than 1 cm. Errors below it mean nothing: raise"
     )
     assert code == 0 and (warning in out) == warned and ("warning" in out) == warned
 

@@ -95,6 +95,7 @@ def test_scenes_lists_by_filter_and_shows_by_name(capsys):
         (["scenes", "show"], "which scene?"),
         (["scenes", "show", "tshirt-rn"], "did you mean 'tshirt-run'"),
         (["simulate", "tshirt-rn*"], "no scene fits 'tshirt-rn*'"),
+        (["simulate", "--all", "--runs", "0"], "--runs is 0; wanted at least 1"),
         (["simulate", "--all", "--jobs", "0"], "--jobs is 0; wanted at least 1"),
         (["bodies", "bake"], "--name mine"),
         (["bodies", "bake", "--name", "mine", "--height", "3"], "--height is 3; wanted from 0 to 1"),
@@ -117,19 +118,19 @@ def test_many_scenes_are_simulated_at_once_and_kept(tmp_path, monkeypatch, capsy
     monkeypatch.setattr("garmentbench.reference.make_reference", _pretend)
     monkeypatch.chdir(tmp_path)
     code, out, _ = typed(capsys, "simulate", "sheet-*", "--preset", "smoke", "--jobs", "2")
-    assert code == 0 and out.splitlines() == [f"smoke/sheet-stick-{k}.h5: ± 0.12 cm" for k in "ab"]
+    assert code == 0 and out.splitlines() == [f"smoke/sheet-stick-{k}.h5: spread 0.12 cm, contracting" for k in "ab"]
     code, _, err = typed(capsys, "simulate", "tshirt-run", "sheet-stick-a", "--preset", "smoke", "--jobs", "2")
     assert (
         code == 1 and "1 of 2 failed, the first: simulate tshirt-run: ValueError: no T-shirts" in err.splitlines()[-1]
     )
 
 
-def _pretend(scene: Scene, preset) -> Reference:
+def _pretend(scene: Scene, preset, runs: int | None) -> Reference:
     if scene.garment == "tshirt":
         raise ValueError("no T-shirts")
     path = Path(preset.name, f"{scene.name}.h5")
     path.parent.mkdir(exist_ok=True)
-    sequence_file.save(replace(tiny_sequence(), info={"uncertainty": {"cm": 0.123}}), path)
+    sequence_file.save(replace(tiny_sequence(), info={"ensemble": {"spread_cm": 0.123, "push_growth": 0.5}}), path)
     return Reference(scene.name, path, "")
 
 
@@ -154,7 +155,7 @@ def test_after_one_that_fails_the_others_are_made_and_warned_of(tmp_path, monkey
     sequence_file.save(replace(flipped, body=flipped.body + np.float32([0.15, 0, 0])), tmp_path / "inside.h5")
     made = []
 
-    def make(scene, size):
+    def make(scene, size, runs):
         made.append(scene.name)
         if scene.name == "sheet-stick-a":
             raise UserError("the stick broke; take another")

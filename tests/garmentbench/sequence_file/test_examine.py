@@ -81,6 +81,19 @@ BAD = {
         "garment/frames: can't be read (garment/frames is not an array of numbers",
     ),
     "no frames": ({"garment__frames": lambda a: a[:0], "body__frames": lambda a: a[:0]}, "garment/frames: empty"),
+    "runs of another length": (
+        {"garment__runs": lambda _: np.zeros((2, 19, 105, 3), np.float32)},
+        "garment/runs: 19 frames, but garment/frames has 20",
+    ),
+    "runs of another garment": (
+        {"garment__runs": lambda _: np.zeros((2, 20, 99, 3), np.float32)},
+        "garment/runs: 99 garment vertices, but garment/rest has 105",
+    ),
+    "one run without its axis": (
+        {"garment__runs": lambda _: np.zeros((20, 105, 3), np.float32)},
+        "garment/runs: float32 of shape (20, 105, 3), wanted float32 of shape (M, T, V, 3)",
+    ),
+    "no runs in it": ({"garment__runs": lambda _: np.zeros((0, 20, 105, 3), np.float32)}, "garment/runs: empty"),
     "a lost body": ({"body__frames": None, "body__rest": None}, "body/rest: missing"),
 }
 
@@ -147,6 +160,15 @@ def test_cloth_that_passes_through_itself_is_warned_of(tmp_path):
     save(replace(sequence, garment=garment), tmp_path / "twisted.h5")
     told = [str(p) for p in check_sequence(tmp_path / "twisted.h5") if "cross others" in p.what]
     assert len(told) == 1 and "25) in frame 6;" in told[0] and "self_contact" in told[0]
+
+
+def test_a_run_that_broke_is_warned_of(tmp_path):
+    sequence = tiny_sequence(20, runs=3)
+    sequence.runs[1, 7:, 4] = np.inf
+    save(sequence, tmp_path / "a.h5")
+    (problem,) = check_sequence(tmp_path / "a.h5")
+    assert problem.warning and "further run 2 is not finite from frame 7 on" in str(problem)
+    assert len(load(tmp_path / "a.h5").runs) == 3
 
 
 def test_an_open_body_is_warned_of(tmp_path):

@@ -67,6 +67,28 @@ def test_the_hash_is_of_content_not_of_timings(tmp_path):
     assert hashes[0] == hashes[1] != hashes[2] and len(hashes[0]) == 64
 
 
+@pytest.mark.parametrize("runs", [1, 3])
+def test_further_runs_come_back_also_where_one_broke(tmp_path, runs):
+    written = tiny_sequence(20, runs=runs)
+    written.runs[-1, 7:] = np.nan
+    save(written, tmp_path / "a.h5")
+    read = load(tmp_path / "a.h5")
+    assert read.runs.dtype == np.float32 and read.runs.tobytes() == written.runs.tobytes()
+    part = load(tmp_path / "a.h5", frames=5)
+    assert np.array_equal(part.runs, written.runs[:, :5]) and np.isfinite(part.runs).all()
+    assert np.array_equal(written.frames(3, 9).runs, written.runs[:, 3:9], equal_nan=True)
+    with h5py.File(tmp_path / "a.h5") as file:
+        assert file["garment/runs"].chunks == (1, 16, 105, 3)
+        assert file["garment/frames"].chunks == (16, 105, 3)
+
+
+def test_runs_are_part_of_the_content(tmp_path, whole):
+    save(tiny_sequence(20, runs=2), tmp_path / "a.h5")
+    (tmp_path / "alone.h5").write_bytes(whole)
+    assert content_hash(tmp_path / "a.h5") != content_hash(tmp_path / "alone.h5")
+    assert load(tmp_path / "alone.h5").runs is None
+
+
 def test_the_first_frames_only(tmp_path, whole):
     (tmp_path / "a.h5").write_bytes(whole)
     part = load(tmp_path / "a.h5", frames=5)
@@ -81,6 +103,16 @@ def test_cut_files_are_refused(tmp_path, whole):
         with pytest.raises(UserError) as error:
             load(path)
         assert "garmentbench" in one_line(error), cut
+
+
+def test_cut_files_with_runs_are_refused(tmp_path):
+    save(tiny_sequence(20, runs=3), tmp_path / "a.h5")
+    whole = (tmp_path / "a.h5").read_bytes()
+    for cut in np.linspace(0, len(whole) - 1, 30).astype(int):
+        (tmp_path / "cut.h5").write_bytes(whole[:cut])
+        with pytest.raises(UserError) as error:
+            load(tmp_path / "cut.h5")
+        one_line(error)
 
 
 def test_a_changed_byte_is_refused_or_harmless(tmp_path, whole):
@@ -167,7 +199,8 @@ def test_a_folder_is_no_sequence(tmp_path):
 @pytest.mark.parametrize(
     ("attributes", "says"),
     [
-        ({"schema": 2}, "schema 2 is newer than schema 1, which is read here; update garmentbench"),
+        ({"schema": 3}, "schema 3 is newer than schema 2, which is read here; update garmentbench"),
+        ({"schema": 1}, "schema 1 is older than schema 2, which is read here; make it again"),
         ({"schema": 0}, "older"),
         ({"schema": "one"}, "older"),
         ({"format": "somebody's mesh"}, "an HDF5 file, but not a garmentbench sequence"),

@@ -1,7 +1,5 @@
 """A scene of two layers from its files to its sequence: the over-skirt on the dress."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -10,8 +8,7 @@ from garmentbench.geometry.signed_distance import signed_distances
 from garmentbench.scenes.inner_garment import sewn
 from garmentbench.scenes.presets import preset
 from garmentbench.scenes.wardrobe import load_scene
-from garmentbench.simulation.outfit import Outfit
-from garmentbench.simulation.simulate import measure_uncertainty, simulate
+from garmentbench.simulation.simulate import simulate
 
 SMOKE = preset("smoke")
 INNER = 'garment = "dress"\nbody = "slim"\nmotion = "armspace-90"\nsplit = "test"\n'
@@ -20,25 +17,24 @@ MATERIAL = "[material]\nbending = 1e-4\n"
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    """The outer scene, its sequence and the inner scene's own."""
+    """The outer scene's sequence and the inner scene's own."""
     folder = tmp_path_factory.mktemp("scenes")
     (folder / "inner.toml").write_text(INNER + "frames = 12\n" + MATERIAL + "friction = 0.2\n")
     outer = INNER.replace("dress", "over_skirt") + 'frames = 8\nworn_over = "inner.toml"\n' + MATERIAL
     (folder / "outer.toml").write_text(outer)
     scene = load_scene(str(folder / "outer.toml"))
     sequence = simulate(scene, SMOKE)
-    uncertainty = measure_uncertainty(scene, SMOKE, sequence, frames=4)
-    return scene, sequence, simulate(scene.worn_over, SMOKE), uncertainty
+    return sequence, simulate(scene.worn_over, SMOKE)
 
 
 def test_the_layer_beneath_moves_as_in_its_own_scene(made):
-    _, sequence, inner, _ = made
+    sequence, inner = made
     assert len(sequence) == 8
     assert np.array_equal(sequence.body, sewn(inner.template.garment, inner.garment[:8]))
 
 
 def test_the_garment_beneath_is_the_body_of_the_sequence(made, tmp_path):
-    _, sequence, inner, _ = made
+    sequence, inner = made
     assert (sequence.template.garment.name, sequence.template.body.name) == ("over_skirt", "dress")
     assert sequence.template.body.kind == "garment" and sequence.info["worn_over"] == "inner"
     beneath = sequence.info["simulation"]["beneath"]
@@ -49,14 +45,6 @@ def test_the_garment_beneath_is_the_body_of_the_sequence(made, tmp_path):
 
 
 def test_the_outer_garment_stays_outside_of_the_inner_one(made):
-    _, sequence, _, _ = made
+    sequence, _ = made
     distance = signed_distances(sequence.garment, sequence.body, sequence.template.body.faces)
     assert not (distance < 0).any() and sequence.info["simulation"]["status"] == "ok"
-
-
-def test_uncertainty_is_that_of_both_layers(made):
-    scene, sequence, inner, found = made
-    assert 0 < found["cm"] < 2 and found["frames"] == 4
-    layers = Outfit.of(scene, SMOKE).simulate(1, "cpu", lambda settings: replace(settings, substep_factor=2))
-    told = inner.info["simulation"], sequence.info["simulation"]
-    assert [layer.run.substeps for layer in layers] == [2 * t["substeps"] for t in told]

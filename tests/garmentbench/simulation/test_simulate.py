@@ -10,7 +10,7 @@ from garmentbench.progress import listening
 from garmentbench.scenes.material import Settings
 from garmentbench.scenes.presets import preset
 from garmentbench.scenes.scene import Motion, Scene
-from garmentbench.simulation.simulate import measure_uncertainty, simulate
+from garmentbench.simulation.simulate import simulate
 
 SMOKE = preset("smoke")
 SCENE = Scene("short", "tshirt", "base", Motion("armspace-90"), "test", frames=6)
@@ -45,12 +45,6 @@ def test_progress_is_told():
         simulate(SCENE, SMOKE)
     label, done, total = told[-1]
     assert label == "simulate short" and done == total >= SCENE.frames
-
-
-def test_uncertainty_is_the_larger_of_the_two(sequence):
-    found = measure_uncertainty(SCENE, SMOKE, sequence, frames=4)
-    assert found["cm"] == max(found["doubling_cm"], found["perturbed_cm"]) > 0
-    assert found["frames"] == 4
 
 
 def test_moved_and_turned_scene_moves_alike(sequence):

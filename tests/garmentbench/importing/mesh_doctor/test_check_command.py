@@ -152,12 +152,14 @@ def test_the_picture_shows_the_body_too(home, capsys):
     assert matplotlib.image.imread(home / "beside.png")[..., :3][:, :450].min() < 0.9
 
 
-def test_a_sequence_s_uncertainty_is_said(home, capsys):
+def test_a_sequence_s_spread_is_said(home, capsys):
     sequence = tiny_sequence()
-    save(replace(sequence, info={"uncertainty": {"cm": 6.2}}), home / "known.h5")
+    save(replace(sequence, info={"ensemble": {"spread_cm": 6.2, "push_growth": 12.0}}), home / "known.h5")
     save(replace(sequence, info={}), home / "unknown.h5")
-    assert typed(capsys, "known.h5")[1][0] == "known.h5: uncertainty 6.2 cm: differences below it mean nothing"
-    assert typed(capsys, "unknown.h5")[1][0].startswith("unknown.h5: uncertainty not measured")
+    assert (
+        typed(capsys, "known.h5")[1][0] == "known.h5: spread 6.2 cm, chaotic: differences below the spread mean nothing"
+    )
+    assert typed(capsys, "unknown.h5")[1][0].startswith("unknown.h5: spread not measured")
 
 
 def test_weld(home, capsys):
