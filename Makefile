@@ -7,7 +7,7 @@ BIN := .venv/bin
 export GARMENTBENCH_HOME := $(CURDIR)
 RUN := $(BIN)/garmentbench
 
-.PHONY: evals test lint report data convergence crosscheck clean
+.PHONY: evals test lint report data validation fabrics convergence crosscheck clean
 evals: $(BIN)/.installed
 	$(RUN) evals --preset $(PRESET) --seeds $(SEEDS)
 
@@ -27,7 +27,14 @@ report: $(BIN)/.installed
 data: $(BIN)/.installed
 	$(RUN) evals --preset $(PRESET) --data-only
 
-# Trust in the reference; neither is part of `make evals`, whose report shows them once they are there.
+# Trust in the reference; none is part of `make evals`, whose report shows them once they are there.
+# The simulator on problems with known answers (a minute), and the named fabrics in a laboratory's tests (some minutes).
+validation: $(BIN)/.installed
+	$(RUN) evals validation --preset $(PRESET)
+
+fabrics: $(BIN)/.installed
+	$(RUN) evals fabrics --preset $(PRESET)
+
 convergence: $(BIN)/.installed
 	$(RUN) evals convergence --preset $(PRESET)
 

@@ -9,10 +9,12 @@ from garmentbench.evals.convergence.study import STUDY as CONVERGENCE
 from garmentbench.evals.crosscheck.study import STUDY as CROSSCHECK
 from garmentbench.evals.data import CARDS
 from garmentbench.evals.experiment import Experiment
+from garmentbench.evals.fabrics.study import STUDY as FABRICS
 from garmentbench.evals.left_out import LEAVING_OUT
 from garmentbench.evals.motions.study import STUDY as MOTIONS
 from garmentbench.evals.stability import STABILITY
 from garmentbench.evals.stick import STICK
+from garmentbench.evals.validation.study import STUDY as VALIDATION
 from garmentbench.evals.wardrobe import WARDROBE
 
 EXPERIMENTS: dict[str, Experiment] = {
@@ -25,6 +27,8 @@ EXPERIMENTS: dict[str, Experiment] = {
         TRAINING_LENGTHS,
         STABILITY,
         MOTIONS,
+        VALIDATION,
+        FABRICS,
         CONVERGENCE,
         CROSSCHECK,
         LEAVING_OUT,

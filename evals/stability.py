@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 UNSTRESSED = "tshirt-armspace-90"
 STRESS = "stress-"  # how the names of the stressed scenes begin
-CASES = ("stiff-10", "stiff-100", "speed-2", "speed-4", "frozen", "push", "heavy", "far")
+CASES = ("stiff-denim", "stiff-leather", "stiff-1000", "speed-2", "speed-4", "frozen", "push", "heavy", "far")
 UNCHANGED = ("stress-push", "stress-far")  # scenes that should end up as the unstressed one
 COLUMNS = (
     "change",

@@ -3,8 +3,8 @@
 The simulator's sheet is isotropic. A woven one is not: stiff along its threads, a hundred times softer on the bias,
 where they only shear. What stands for it is fixed here, for all fabrics alike and before any drape was simulated:
 
-- E t is the geometric mean of warp, weft and the two biases. A sheet as stiff as threads in all directions would be
-  paper: it could bend one way at a time only.
+- E t is that of the mean compliance over all directions (Reuss' mean): cloth is given loads, not strains. A sheet as
+  stiff as threads in all directions would be paper: it could bend one way at a time only.
 - Bending is the mean of the directions, at the curvature of folds: a KES test gives the rigidity without friction
   between the fibres, which a fold feels as a couple HB = 2HB / 2 (Grosberg 1966, M = HB + B k), so HB / k is added.
 - A free strip of our triangles is softer than `bending` says, by 8/9 (flexural Poisson ratio -1/3).
@@ -57,17 +57,14 @@ class Fabric:
     drape_source: str = ""
 
     @property
-    def bias(self) -> float:
-        """E t at 45 degrees to the threads [N/m]: 4 / (1/E1 + 1/E2 + 1/G), without Poisson's ratio, which is not
-        measured."""
-        warp, weft = self.tension
-        return warp if self.shear is None else 4 / (1 / warp + 1 / weft + 1 / self.shear)
-
-    @property
     def young(self) -> float:
-        """E t of the isotropic sheet that stands for it [N/m]."""
+        """E t of the isotropic sheet that stands for it [N/m].
+
+        At an angle a to the warp 1/E = c^4/E1 + s^4/E2 + c^2 s^2/G, without Poisson's ratio, which is not measured; the
+        mean over all angles is 3/8 (1/E1 + 1/E2) + 1/8 1/G.
+        """
         warp, weft = self.tension
-        return (warp * weft * self.bias**2) ** 0.25
+        return warp if self.shear is None else 8 / (3 / warp + 3 / weft + 1 / self.shear)
 
     @property
     def rigidity(self) -> float:

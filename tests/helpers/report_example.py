@@ -73,9 +73,9 @@ def write_results(path: Path, rows: list[dict]) -> None:
 
 def _stability(runs: Path, sequence) -> list[dict]:
     rows = []
-    for name in ("tshirt-armspace-90", "stress-frozen", "stress-stiff-100"):
+    for name in ("tshirt-armspace-90", "stress-frozen", "stress-stiff-1000"):
         scene = WALK | {"scene": name}
-        stiff = name == "stress-stiff-100"
+        stiff = name == "stress-stiff-1000"
         rows.append(
             row(
                 "stability",

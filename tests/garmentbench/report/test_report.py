@@ -115,9 +115,9 @@ def test_training_lengths_stand_in_their_order_beside_table_4(folder):
 def test_the_stress_ladder_has_the_simulator_and_says_how_each_case_ended(folder):
     text = (folder / "tables" / "stability.md").read_text()
     assert "| no stress | reference (simulator) | ok |" in text
-    assert "| stiff-100 | reference (simulator) | diverged at frame 11 |" in text
+    assert "| stiff-1000 | reference (simulator) | diverged at frame 11 |" in text
     skinning = next(
-        line for line in text.splitlines() if "| stiff-100 | skinning | diverged at frame 60 | diverged |" in line
+        line for line in text.splitlines() if "| stiff-1000 | skinning | diverged at frame 60 | diverged |" in line
     )
     assert skinning.endswith("| 57 |")  # frames that were stable
 

@@ -1,0 +1,56 @@
+"""What is measured of a fabric: drape at two mesh sizes, droop, and what it costs."""
+
+import math
+import time
+from dataclasses import replace
+
+import numpy as np
+
+from garmentbench.evals.fabrics.table import OVERHANG
+from garmentbench.evals.validation.drape import Drape, drape
+from garmentbench.evals.validation.strips import FPS, balanced, run
+from garmentbench.scenes.fabrics import fabric
+from garmentbench.scenes.garments import load_garment
+from garmentbench.scenes.material import Material, Settings
+from garmentbench.scenes.presets import MESH_SIZES
+from garmentbench.simulation.drive import drive
+
+EDGES = {"coarse": 0.0113, "fine": 0.008}  # [m] of the drape test's triangles
+TIMED = "tshirt"  # laptop size, hanging in the air: what its substeps cost without what it touches
+TIMED_FRAMES = 3
+
+
+def droop(material: Material) -> float:
+    """Angle [degrees] below level of the chord of a strip that hangs over a table's edge by `OVERHANG`."""
+    cloth, end = balanced(10)
+    cloth = replace(cloth, rest=(OVERHANG * cloth.rest).astype(np.float32))
+    still = replace(material, **{"drag": 0.0, "drag_along": 0.0} if hasattr(material, "drag") else {"compression": 1.0})
+    last = run(cloth, 2.0, still, settle=10.0).positions[-1]
+    tip, middle = end @ last, last[cloth.pins].mean(axis=0)
+    return math.degrees(math.atan2(middle[2] - tip[2], tip[0]))
+
+
+def cost(material: Material) -> tuple[int, float]:
+    """Substeps a frame of a T-shirt at laptop size, and their milliseconds."""
+    garment = load_garment(TIMED, MESH_SIZES["laptop"].name)
+    start = garment.rest.astype(np.float64)
+    marks: list[float] = []
+    settings = Settings(self_contact=False)
+    out = drive(
+        garment, start, None, TIMED_FRAMES + 2, FPS, material, settings, step=lambda: marks.append(time.process_time())
+    )
+    return out.substeps, 1e3 * (marks[-1] - marks[0]) / (len(marks) - 1)
+
+
+def measure(name: str) -> tuple[dict[str, float], Drape]:
+    """All numbers of a fabric by name, and its drape on the fine mesh."""
+    material = Material(**fabric(name).material)
+    found: dict[str, float] = {}
+    made = None
+    for label, edge in EDGES.items():
+        made = drape(material, edge)
+        found[f"drape_{label}"] = made.coefficient if made.at_rest else math.nan
+    assert made is not None
+    found["droop"] = droop(material)
+    substeps, ms = cost(material)
+    return found | {"substeps": substeps, "ms_per_frame": ms}, made
