@@ -8,7 +8,8 @@ import pytest
 import torch
 
 from garmentbench.method import BodyFrame, History
-from garmentbench.methods.motion_guided import MotionGuided, training
+from garmentbench.methods import training
+from garmentbench.methods.motion_guided import MotionGuided
 from garmentbench.methods.motion_guided.config import SIZES, VARIANTS, Config, config_for, config_from
 from garmentbench.storage.runs import RunStore
 
