@@ -70,7 +70,7 @@ def test_the_seed_of_the_run_decides_the_weights(sequence, config, store, traine
 def test_a_fit_killed_in_any_stage_goes_on_to_the_same_bits(sequence, config, tmp_path, monkeypatch, trained):
     monkeypatch.setattr(training, "CHECKPOINT_SECONDS", -1.0)
     store = RunStore(tmp_path)
-    adam_step, calls = torch.optim.Adam.step, []
+    adam_step, calls = torch.optim.AdamW.step, []
 
     def killed_now_and_then(self, *args, **kwargs):
         calls.append(1)
@@ -78,7 +78,7 @@ def test_a_fit_killed_in_any_stage_goes_on_to_the_same_bits(sequence, config, tm
             raise KeyboardInterrupt
         return adam_step(self, *args, **kwargs)
 
-    monkeypatch.setattr(torch.optim.Adam, "step", killed_now_and_then)
+    monkeypatch.setattr(torch.optim.AdamW, "step", killed_now_and_then)
     kills = 0
     while True:
         try:
