@@ -1,5 +1,8 @@
 """Sheets: wrinkles, and drape."""
 
+import math
+from dataclasses import replace
+
 import numpy as np
 
 from garmentbench.evals.crosscheck.match_material import equilateral
@@ -11,6 +14,7 @@ LENGTH, WIDTH = 0.25, 0.4  # [m] along and across the tension
 YOUNG, STRAIN = 200.0, 0.05  # E t [N/m]; how far it is stretched
 RIGIDITY = 2e-5  # [N m] so that about six wrinkles fit
 NARROWER = 0.03  # the ends are pushed together across by so much
+PLEATS, PLEATED, FLAT = 6, 0.12, 0.19  # how many, length at rest and of the cloth [m]
 FINE = 16  # part of a spectrum's step that its peak is found to
 
 
@@ -39,7 +43,38 @@ def wrinkles(edge: float) -> float:
     return 100 * (even[-1] - even[0]) / (512 / 511) * FINE / int(np.argmax(power))
 
 
+def unfolded(lines: float) -> float:
+    """Length [mm] to which a pleated strip comes back after it was drawn nearly flat; lines: of the mesh, a pleat."""
+    count, across = round(lines) * PLEATS, 4
+    spacing = FLAT / count
+    flat = equilateral(across, count, spacing / HEIGHT)  # its rows lie across the strip
+    row = np.repeat(np.arange(count + 1), across + 1)
+    y = flat.rest[:, 0].astype(np.float64)
+
+    def folded(length: float) -> np.ndarray:
+        cosine = length / FLAT
+        turn = np.abs((row + round(lines)) % (2 * round(lines)) - round(lines))
+        return np.column_stack([spacing * cosine * row, y, spacing * math.sqrt(1 - cosine**2) * turn])
+
+    cloth = replace(flat, rest=folded(PLEATED).astype(np.float32))
+    material = vacuum(1e-4, 1000.0, stretch_damping=1e-4)
+    last = run(cloth, 2.0, material, folded(0.97 * FLAT), settle=10.0, gravity=0.0).positions[-1]
+    return 1e3 * float(np.linalg.norm(last[row == count].mean(axis=0) - last[row == 0].mean(axis=0)))
+
+
 CASES = (
+    Case(
+        name="pleats",
+        title="strip of six pleats, 12 cm, drawn out to 18.4 cm: length to which it comes back",
+        unit="mm",
+        wanted=lambda: 1e3 * PLEATED,
+        simulate=unfolded,
+        sizes={"2 a pleat": 2, "4 a pleat": 4},
+        tolerance=0.005,
+        relative=True,
+        source="a crease keeps the angle of the rest shape",
+        fast=False,
+    ),
     Case(
         name="wrinkles",
         title="sheet under 10 N/m, 25 cm long, made 3 % narrower: wavelength of its wrinkles",
