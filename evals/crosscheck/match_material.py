@@ -18,7 +18,8 @@ from garmentbench.sequence import Garment
 FPS = 30.0
 CLOSE = 3e-3  # of 1: nearer is not sought
 FRAMES = 61
-REST = {"air": 40.0}  # comes to rest quickly; air does not change where
+STILL = {"drag": 0.0, "drag_along": 0.0}
+SETTLING = 40.0  # [1/s] comes to rest quickly; this does not change where
 ROUNDS = 4
 HANGING_LENGTH = 0.4  # [m]
 
@@ -88,7 +89,7 @@ def match(material: Material, settings: Settings, vbd: VbdSettings, edge: float)
 
     Raises as `drive_vbd`.
     """
-    slow = replace(material, **REST)
+    slow, settings = replace(material, **STILL), replace(settings, settling=SETTLING)
     left = []
     for name, strip in (("membrane", hanging(edge)), ("bending", cantilever(slow, settings.gravity, edge))):
         wanted = reference_fall(strip, slow, settings)

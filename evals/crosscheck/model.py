@@ -57,6 +57,7 @@ def newton_model(
     # On equilateral triangles springs of modulus s make a sheet with E = s / 3, nu = 1 / 3: both its Lamé parameters
     # are s / 8.
     lame = vbd.membrane * material.stretch / 8
+    count = len(fabric.mass)
     stiffness = float(np.median(fabric.mass)) * settings.contact_frequency**2
     damping = 2 * settings.contact_damping * float(np.median(fabric.mass)) * settings.contact_frequency
     builder = newton.ModelBuilder(gravity=(0.0, 0.0, -settings.gravity))
@@ -92,7 +93,10 @@ def newton_model(
     _cut_to_pattern(model, fabric)
     hinge = vbd.bending * hinge_stiffness(fabric, model.edge_indices.numpy())
     model.edge_bending_properties.assign(np.stack([hinge, material.bend_damping * hinge], axis=1).astype(np.float32))
-    model.edge_rest_angle.zero_()
+    creased = np.isin(
+        _edge_key(model.edge_indices.numpy()[:, 2:], count), _edge_key(fabric.stencils[fabric.creased, :2], count)
+    )
+    model.edge_rest_angle.assign(np.where(creased, model.edge_rest_angle.numpy(), 0.0).astype(np.float32))
     if meshes:
         model.shape_collision_aabb_lower.fill_(-1e3)  # a mesh moves: its first box must not hide it
         model.shape_collision_aabb_upper.fill_(1e3)
@@ -122,11 +126,15 @@ def hinge_stiffness(fabric: Fabric, edges: np.ndarray) -> np.ndarray:
 
     A hinge of length l opened by a small angle stores k l angle^2 / 2 there and K l^2 angle^2 / 2 here: k = K l.
     """
-    count = len(fabric.mass)
-    ends = np.sort(fabric.stencils[:, :2], axis=1).astype(np.int64)
-    own, theirs = ends @ [count, 1], np.sort(edges[:, 2:], axis=1).astype(np.int64) @ [count, 1]
+    count, ends = len(fabric.mass), fabric.stencils[:, :2]
+    own, theirs = _edge_key(ends, count), _edge_key(edges[:, 2:], count)
     length = rest_length(fabric, ends)
     order = np.argsort(own)
     at = np.minimum(np.searchsorted(own[order], theirs), len(own) - 1)
     found = own[order][at] == theirs
     return np.where(found, (fabric.bend_stiffness * length)[order][at], 0.0)
+
+
+def _edge_key(ends: np.ndarray, count: int) -> np.ndarray:
+    """A number for each edge, whichever end comes first; of ends, shape (E, 2), among `count` particles."""
+    return np.sort(ends, axis=1).astype(np.int64) @ [count, 1]

@@ -107,7 +107,9 @@ class _World:
         import newton
         import warp as wp
 
-        self.vbd, self.air, self.mass = vbd, material.air, fabric.mass.astype(np.float32)
+        self.vbd, self.faces, self.mass = vbd, faces, fabric.mass.astype(np.float32)
+        self.drag = [0.5 * settings.air_density * d for d in (material.drag, material.drag_along)]
+        self.settling = settings.settling
         self.obstacle = obstacle
         self.contacts: Any = None
         self.pins = np.flatnonzero(fabric.pinned)
@@ -170,4 +172,19 @@ class _World:
             skin = c.soft_contact_body_vel.numpy()[:count]
             distance = np.linalg.norm(x[near] - c.soft_contact_body_pos.numpy()[:count], axis=1, keepdims=True)
             air[near] = skin + np.minimum(distance / AIR_REACH, 1) * (wind.astype(np.float32) - skin)
-        return self.mass[:, None] * self.air * (air - v)
+        area = _areas(x, self.faces)
+        size = np.linalg.norm(area, axis=1, keepdims=True)
+        normal, u = area / np.maximum(size, 1e-12), air - v
+        across = (u * normal).sum(axis=1, keepdims=True)
+        along = u - across * normal
+        force = self.drag[0] * np.abs(across) * across * normal
+        force += self.drag[1] * np.linalg.norm(along, axis=1, keepdims=True) * along
+        return (size * force + self.settling * self.mass[:, None] * u).astype(np.float32)
+
+
+def _areas(x: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """A third of the areas of the faces round each particle, times their normals [m^2], shape (P, 3)."""
+    a, b, c = x[faces].transpose(1, 0, 2)
+    out = np.zeros_like(x)
+    np.add.at(out, faces.ravel(), np.repeat(np.cross(b - a, c - a) / 6, 3, axis=0))
+    return out

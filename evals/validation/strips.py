@@ -1,7 +1,7 @@
 """Strips of cloth and how they are driven: in a vacuum, without friction, on regular triangles."""
 
 import math
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -24,14 +24,12 @@ HEIGHT = math.sqrt(0.75)  # of a triangle of edge 1
 def vacuum(rigidity: float, young: float, **changes: float) -> Material:
     """A strip's material without air, of that flexural rigidity of a free strip [N m] and E t [N/m]; undamped but for
     `changes`."""
-    calm = {"stretch_damping": 0.0, "bend_damping": 0.0}
-    calm |= {"air": 0.0, "compression": 1.0} if "air" in _NAMES else {"drag": 0.0, "drag_along": 0.0}
+    calm = {"stretch_damping": 0.0, "bend_damping": 0.0, "drag": 0.0, "drag_along": 0.0}
     return Material(
         **{"density": DENSITY, "stretch": YOUNG * young, "bending": rigidity / FREE_STRIP} | calm | changes  # type: ignore[arg-type]
     )
 
 
-_NAMES = {f.name for f in fields(Material)}
 EXACT = Settings(queries=1, mass_floor=0.0)  # nothing touches, and border vertices weigh what they weigh
 
 
@@ -44,11 +42,7 @@ def run(
     gravity: float = GRAVITY,
 ) -> Simulated:
     """Let a strip go from `start` [m] (as it lies, where None); `settle`: rate at which its velocity decays [1/s]."""
-    settings = replace(EXACT, gravity=gravity)
-    if "air" in _NAMES:
-        material = replace(material, air=settle)
-    else:
-        settings = replace(settings, settling=settle)
+    settings = replace(EXACT, gravity=gravity, settling=settle)
     start = garment.rest.astype(np.float64) if start is None else start
     return drive(garment, start, None, 1 + round(seconds * FPS), FPS, material, settings)
 

@@ -18,12 +18,15 @@ class Material:
         density: Mass per area [kg/m^2].
         stretch: Spring modulus [N/m]; on a mesh of equilateral triangles the sheet's Young modulus (times its
             thickness) is a third of it, its Poisson ratio a third.
-        compression: Part of `stretch` that resists shortening [1]; below 1 stands for buckles finer than the mesh.
+        compression: Part of `stretch` that resists shortening [1]; below 1, cloth shrinks where it would fold.
         bending: Flexural rigidity [N m] of equilateral triangles bent to a cylinder; isometric bending (Bergou et al.
             2006, "A quadratic bending model for inextensible surfaces").
-        stretch_damping: Damping time of stretch [s]: damping = this times stiffness.
+        stretch_damping: Damping time of stretch [s]: damping = this times stiffness. It is held back where it would
+            shorten the time step (`time_step.stretch_damping`).
         bend_damping: Damping time of bending [s].
-        air: Rate at which velocity decays towards that of the air [1/s].
+        drag: Drag coefficient across the cloth [1]: pressure = drag times density of air times speed^2 / 2; about 1.2
+            for a plate (Hoerner 1965, "Fluid-dynamic drag").
+        drag_along: The same along the cloth [1], of both faces together: friction of the air.
         friction: Coulomb's coefficient against the body [1].
         thickness: Distance that vertices keep from the body [m]. Contact is at vertices only: on the laptop T-shirt
             (edges of 2.5 cm) the faces between them cut the skin at 3 mm, and no longer at 5 mm.
@@ -31,11 +34,12 @@ class Material:
 
     density: Positive = 0.2
     stretch: Number = 300.0
-    compression: Number = 0.3
+    compression: Number = 1.0
     bending: Number = 3e-5
     stretch_damping: Number = 1e-4
     bend_damping: Number = 5e-3
-    air: Number = 5.0
+    drag: Number = 1.2
+    drag_along: Number = 0.02
     friction: Number = 0.4
     thickness: Number = 5e-3
 
@@ -63,6 +67,9 @@ class Settings:
         start_noise: Size of a random push of each vertex at the start [m].
         noise_seed: Its seed.
         gravity: Downwards acceleration [m/s^2].
+        air_density: [kg/m^3].
+        settling: Rate at which velocity decays towards that of the air [1/s]: brings cloth to rest where only its rest
+            matters. No scene of the suite has any.
     """
 
     stretch_cap: Number = 1.7
@@ -78,3 +85,5 @@ class Settings:
     start_noise: Number = 0.0
     noise_seed: Count = 0
     gravity: Number = 9.81
+    air_density: Number = 1.2
+    settling: Number = 0.0

@@ -6,11 +6,15 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 from jaxtyping import Bool, Float, Int
+from scipy.sparse.linalg import eigsh
 
 from garmentbench.geometry.cloth_rest import cloth_at_rest, rest_areas, rest_lengths
 from garmentbench.geometry.weld import weld
 from garmentbench.scenes.material import Material, Settings
 from garmentbench.sequence import Garment
+
+# [rad] An edge that the rest shape bends by more is a crease. Below, what a coarse mesh of a smooth surface has.
+CREASE = np.radians(15.0)
 
 
 @dataclass(frozen=True)
@@ -27,6 +31,8 @@ class Fabric:
         stencils: Particles of each bending stencil, shape (S, 4): an inner edge's ends, then the corners beside it.
         curvature: Their coefficients; the sum of coefficient times position is 0 where the cloth is flat, shape (S, 4).
         bend_stiffness: Stiffness after the cap [N/m], shape (S,).
+        rest_angle: Angle by which the rest shape is bent at each stencil's edge [rad], shape (S,); see
+            `hinge.hinge_angle`.
         pinned: Whether a particle is held by the collider, shape (P,), bool.
         faces: Particles of each triangle, shape (F, 3).
         corners: The triangles without load, each in a place of its own [m], shape (F, 3, 3).
@@ -41,17 +47,40 @@ class Fabric:
     stencils: Int[np.ndarray, "stencils 4"]
     curvature: Float[np.ndarray, "stencils 4"]
     bend_stiffness: Float[np.ndarray, " stencils"]
+    rest_angle: Float[np.ndarray, " stencils"]
     pinned: Bool[np.ndarray, " particles"]
     faces: Int[np.ndarray, "faces 3"]
     corners: Float[np.ndarray, "faces 3 3"]
 
     @cached_property
+    def creased(self) -> Bool[np.ndarray, " stencils"]:
+        """Whether a stencil keeps its angle as a hinge does, shape (S,). The others are flat at rest, near enough."""
+        return np.abs(self.rest_angle) > CREASE
+
+    @cached_property
     def bending(self) -> sp.csr_matrix:
-        """The matrix that takes positions to minus the bending force [N/m], shape (P, P); rows sum to 0."""
+        """The matrix that takes positions to minus the bending force of all stencils but the creased ones [N/m], shape
+        (P, P); rows sum to 0."""
+        return self.bending_of(np.where(self.creased, 0.0, self.bend_stiffness))
+
+    @cached_property
+    def squared_frequencies(self) -> tuple[float, float]:
+        """Upper bounds of the squared angular frequencies [1/s^2] of stretch and of bending.
+
+        Stretch is bounded for every shape the cloth can take, by letting each spring act in all directions at once.
+        """
+        count, (a, b), k = len(self.mass), self.edges.T, self.stiffness
+        springs = sp.csr_matrix(
+            (np.concatenate([k, k, -k, -k]), (np.r_[a, b, a, b], np.r_[a, b, b, a])), shape=(count, count)
+        )
+        return _largest(springs, self.mass), _largest(self.bending_of(self.bend_stiffness), self.mass)
+
+    def bending_of(self, stiffness: Float[np.ndarray, " stencils"]) -> sp.csr_matrix:
+        """The same for these stiffnesses of the stencils [N/m], shape (S,)."""
         count, shape = len(self.stencils), (len(self.stencils), len(self.mass))
         rows = np.repeat(np.arange(count), 4)
         curvature = sp.csr_matrix((self.curvature.ravel(), (rows, self.stencils.ravel())), shape=shape)
-        matrix = (curvature.T @ sp.diags(self.bend_stiffness) @ curvature).tocsr()
+        matrix = (curvature.T @ sp.diags(stiffness) @ curvature).tocsr()
         matrix.sort_indices()
         return matrix
 
@@ -77,8 +106,21 @@ def assemble(garment: Garment, material: Material, settings: Settings) -> Fabric
     curvature = _curvature(corners, faces, stencils, halves)
     around = area[halves % len(faces)].sum(axis=1)
     bend_stiffness = _cap(material.bending / around, 1 / (curvature**2 / mass[stencils]).sum(axis=1), settings.bend_cap)
+    angle = np.zeros(len(stencils)) if garment.cut is not None else _angles(rest, stencils)
     return Fabric(
-        particle, rest, mass, edges, length, stiffness, stencils, curvature, bend_stiffness, pinned, faces, corners
+        particle,
+        rest,
+        mass,
+        edges,
+        length,
+        stiffness,
+        stencils,
+        curvature,
+        bend_stiffness,
+        angle,
+        pinned,
+        faces,
+        corners,
     )
 
 
@@ -129,5 +171,23 @@ def _curvature(corners: np.ndarray, faces: np.ndarray, stencils: np.ndarray, hal
     return np.column_stack([at1 + other1, at0 + other0, -at0 - at1, -other0 - other1])
 
 
+def _angles(rest: np.ndarray, stencils: np.ndarray) -> np.ndarray:
+    """Signed angle between the two faces of each stencil [rad], shape (S,): 0 where they lie in one plane."""
+    x0, x1, x2, x3 = rest[stencils].transpose(1, 0, 2)
+    first, second, edge = np.cross(x2 - x0, x2 - x1), np.cross(x3 - x1, x3 - x0), x1 - x0
+    length = np.linalg.norm(edge, axis=1)
+    return np.arctan2((np.cross(first, second) * edge).sum(axis=1), length * (first * second).sum(axis=1))
+
+
 def _cot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return (a * b).sum(axis=-1) / np.maximum(np.linalg.norm(np.cross(a, b), axis=-1), 1e-12)
+
+
+def _largest(matrix: sp.csr_matrix, mass: np.ndarray) -> float:
+    """Largest eigenvalue of M^-1 K."""
+    if matrix.nnz == 0:
+        return 0.0
+    root = sp.diags(1 / np.sqrt(mass))
+    start = np.random.default_rng(0).standard_normal(len(mass))
+    options: dict = {"which": "LA", "v0": start, "tol": 1e-3, "return_eigenvectors": False}
+    return float(eigsh(root @ matrix @ root, k=1, **options)[0])

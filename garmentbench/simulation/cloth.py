@@ -9,8 +9,11 @@ from jaxtyping import Float
 from garmentbench.scenes.material import Material, Settings
 from garmentbench.simulation.assembly import Fabric
 from garmentbench.simulation.collider import Collider
-from garmentbench.simulation.kernels import Cloth, Contact, Physics, advance_serial, force_pass, particle_pass
+from garmentbench.simulation.damping import BendDamping
+from garmentbench.simulation.integrate import advance_serial, area_pass, force_pass, particle_pass
+from garmentbench.simulation.kernels import Cloth, Contact, Physics
 from garmentbench.simulation.self_contact import SelfContact
+from garmentbench.simulation.time_step import damping_stages, stretch_damping
 
 
 class Solver:
@@ -26,6 +29,8 @@ class Solver:
         serial: One launch of one thread for all substeps between two queries, or two passes of parallel threads a
             substep. The result is the same. None: serial on a CPU (no launch storm), parallel on CUDA.
     """
+
+    LAG = 0.5  # substeps that velocities are behind positions
 
     def __init__(
         self,
@@ -45,7 +50,15 @@ class Solver:
         self.steps = substeps // settings.queries
         self.cloth = _cloth(fabric, start, device)
         self.contact, self.own_contact = _contact(start, device), _contact(start, device)
-        self.physics = _physics(material, settings, frame_time / substeps)
+        stretch, bend = fabric.squared_frequencies
+        self.physics = _physics(material, settings, frame_time / substeps, stretch_damping(material, stretch))
+        interval = frame_time / settings.queries
+        self.damping = None
+        if stages := damping_stages(material.bend_damping, bend, interval):
+            lag = self.LAG * self.physics.dt
+            self.damping = BendDamping(
+                self.cloth, self.physics, material.bend_damping, interval, lag, stages, device, self.serial
+            )
         self.collider = None if touched is None else Collider(*touched, self.cloth, device)
         self.self_contact = None
         if settings.self_contact:
@@ -90,6 +103,9 @@ class Solver:
                 self.collider.touch(self.contact, interval)
             if self.self_contact is not None:
                 self.self_contact.find()
+            self._launch(area_pass, len(self.cloth.x), [self.cloth])
+            if self.damping is not None:
+                self.damping.apply()
             self._integrate()
 
     def _integrate(self) -> None:
@@ -99,7 +115,11 @@ class Solver:
             self._launch(advance_serial, 1, [self.cloth, *contacts, self.physics, self.steps])
         else:
             for s in range(self.steps):
-                self._launch(force_pass, max(len(self.cloth.ends), len(self.cloth.x)), [self.cloth, self.physics])
+                self._launch(
+                    force_pass,
+                    max(len(self.cloth.ends), len(self.cloth.crease), len(self.cloth.x)),
+                    [self.cloth, self.physics],
+                )
                 self._launch(particle_pass, len(self.cloth.x), [self.cloth, *contacts, self.physics, s])
 
     def _launch(self, kernel: wp.Kernel, dim: int, inputs: list) -> None:
@@ -109,8 +129,11 @@ class Solver:
 def _cloth(fabric: Fabric, start: np.ndarray, device: str) -> Cloth:
     count, edges = len(fabric.mass), len(fabric.edges)
     first, second = fabric.edges.T
-    end = np.concatenate([first, second])
-    order = np.argsort(end, kind="stable")
+    edge_start, order = _rows(np.concatenate([first, second]), count)
+    creases = fabric.stencils[fabric.creased]
+    length = np.linalg.norm(fabric.rest[creases[:, 1]] - fabric.rest[creases[:, 0]], axis=1)
+    crease_start, crease_index = _rows(creases.ravel(), count)
+    face_start, corner = _rows(fabric.faces.ravel(), count)
     c = Cloth()
     for name, values, kind in (
         ("x", start, wp.vec3),
@@ -122,15 +145,39 @@ def _cloth(fabric: Fabric, start: np.ndarray, device: str) -> Cloth:
         ("length", fabric.length, float),
         ("stiffness", fabric.stiffness, float),
         ("force", np.zeros((edges, 3)), wp.vec3),
-        ("edge_start", np.searchsorted(end[order], np.arange(count + 1)), int),
+        ("edge_start", edge_start, int),
         ("edge_index", order % edges, int),
         ("edge_sign", np.where(order < edges, 1.0, -1.0), float),
         ("bend_start", fabric.bending.indptr, int),
         ("bend_column", fabric.bending.indices, int),
         ("bend_value", fabric.bending.data, float),
+        ("crease", creases, wp.vec4i),
+        # The same stiffness against small bends as the flat stencil's, whose sum is length times angle.
+        ("crease_stiffness", fabric.bend_stiffness[fabric.creased] * length**2, float),
+        ("crease_angle", fabric.rest_angle[fabric.creased], float),
+        ("crease_square", _squares(fabric.rest, creases), wp.vec2),
+        ("crease_force", np.zeros((4 * len(creases), 3)), wp.vec3),
+        ("crease_start", crease_start, int),
+        ("crease_index", crease_index, int),
+        ("faces", fabric.faces, wp.vec3i),
+        ("face_start", face_start, int),
+        ("face_index", corner // 3, int),
+        ("area", np.zeros((count, 3)), wp.vec3),
     ):
         setattr(c, name, device_array(values, kind, device))
     return c
+
+
+def _rows(particle: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """For each particle where its entries start, shape (count + 1,), and the entries in that order."""
+    order = np.argsort(particle, kind="stable")
+    return np.searchsorted(particle[order], np.arange(count + 1)), order
+
+
+def _squares(rest: np.ndarray, creases: np.ndarray) -> np.ndarray:
+    x0, x1, x2, x3 = rest[creases].transpose(1, 0, 2)
+    normals = np.stack([np.cross(x2 - x0, x2 - x1), np.cross(x3 - x1, x3 - x0)], axis=1)
+    return (normals**2).sum(axis=2)
 
 
 def _contact(start: np.ndarray, device: str) -> Contact:
@@ -143,12 +190,13 @@ def _contact(start: np.ndarray, device: str) -> Contact:
     return h
 
 
-def _physics(material: Material, settings: Settings, dt: float) -> Physics:
+def _physics(material: Material, settings: Settings, dt: float, stretch_damping: float) -> Physics:
     p = Physics()
-    p.dt = dt
-    p.air_keep = math.exp(-material.air * dt)
+    p.dt, p.stretch_damping = dt, stretch_damping
+    p.drag, p.drag_along = (0.5 * settings.air_density * d for d in (material.drag, material.drag_along))
+    p.settle_keep = math.exp(-settings.settling * dt)
     for source, names in (
-        (material, ("compression", "stretch_damping", "bend_damping", "friction", "thickness")),
+        (material, ("compression", "friction", "thickness")),
         (settings, ("gravity", "contact_frequency", "contact_damping", "contact_depth")),
     ):
         for name in names:
@@ -158,5 +206,5 @@ def _physics(material: Material, settings: Settings, dt: float) -> Physics:
 
 def device_array(values: np.ndarray, kind: type, device: str) -> wp.array:
     """A Warp array of scalars or small vectors."""
-    number = np.float32 if kind in (float, wp.vec3, wp.vec4) else np.int32
+    number = np.float32 if kind in (float, wp.vec2, wp.vec3, wp.vec4) else np.int32
     return wp.array(np.ascontiguousarray(values, number), dtype=kind, device=device)

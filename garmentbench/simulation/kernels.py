@@ -1,8 +1,9 @@
 """The integrator's arithmetic, in Warp. CPU and CUDA run the same functions; only the loops around them differ.
 
-Explicit, symplectic Euler: forces from positions and velocities at the start of the substep, then the contact implicit
-in its normal direction, then friction, then positions. One pass over edges and one over particles a substep; sums are
-gathered in a fixed order, so that the result does not depend on the number of threads.
+Explicit, symplectic Euler: forces from positions and velocities at the start of the substep, then the air, then the
+contact implicit in its normal direction, then friction, then positions. One pass over edges and creases and one over
+particles a substep; sums are gathered in a fixed order, so that the result does not depend on the number of threads.
+Bending is damped between the queries (`damping`).
 """
 
 import warp as wp
@@ -10,11 +11,11 @@ import warp as wp
 
 @wp.struct
 class Cloth:
-    """State and constants of P particles and E edges; sparse rows as (start, column, value) triples of arrays."""
+    """State and constants of P particles, E edges, F faces and C creases; sparse rows as (start, column, value)."""
 
     x: wp.array[wp.vec3]  # positions [m]
     v: wp.array[wp.vec3]  # velocities [m/s]
-    y: wp.array[wp.vec3]  # x + bend_damping v: what bending acts on [m]
+    y: wp.array[wp.vec3]  # positions at the start of the substep [m]: what bending acts on while x moves
     inverse_mass: wp.array[float]  # [1/kg]
     pinned: wp.array[int]
     ends: wp.array[wp.vec2i]
@@ -27,6 +28,17 @@ class Cloth:
     bend_start: wp.array[int]
     bend_column: wp.array[int]
     bend_value: wp.array[float]  # [N/m]
+    crease: wp.array[wp.vec4i]
+    crease_stiffness: wp.array[float]  # [N m]
+    crease_angle: wp.array[float]  # at rest [rad]
+    crease_square: wp.array[wp.vec2]  # squares of twice the areas of its faces at rest [m^4]
+    crease_force: wp.array[wp.vec3]  # on each of its four particles [N], shape (4 C,)
+    crease_start: wp.array[int]
+    crease_index: wp.array[int]
+    faces: wp.array[wp.vec3i]
+    face_start: wp.array[int]
+    face_index: wp.array[int]
+    area: wp.array[wp.vec3]  # a third of the areas of the faces round a particle, times their normals [m^2]
 
 
 @wp.struct
@@ -52,8 +64,9 @@ class Physics:
     gravity: float  # [m/s^2]
     compression: float
     stretch_damping: float  # [s]
-    bend_damping: float  # [s]
-    air_keep: float  # exp(-air dt): what is left of the velocity relative to the air after a substep
+    drag: float  # half the density of air times the drag coefficient, across the cloth [kg/m^3]
+    drag_along: float  # ... along it [kg/m^3]
+    settle_keep: float  # exp(-settling dt): what is left of the velocity relative to the air after a substep
     friction: float
     thickness: float  # [m]
     contact_frequency: float  # [rad/s]
@@ -78,14 +91,40 @@ def edge_force(c: Cloth, p: Physics, e: int) -> wp.vec3:
 
 @wp.func
 def total_force(c: Cloth, i: int) -> wp.vec3:
-    """Sum of the edges' forces and of bending, -sum_j K_ij y_j, from differences (rows of K sum to 0; float32)."""
+    """Sum of the edges' forces, of the creases' and of bending, -sum_j K_ij y_j, from differences (rows of K sum to 0;
+    float32)."""
     f = wp.vec3(0.0)
     for s in range(c.edge_start[i], c.edge_start[i + 1]):
         f += c.edge_sign[s] * c.force[c.edge_index[s]]
     yi = c.y[i]
     for s in range(c.bend_start[i], c.bend_start[i + 1]):
         f += c.bend_value[s] * (yi - c.y[c.bend_column[s]])
+    for s in range(c.crease_start[i], c.crease_start[i + 1]):
+        f += c.crease_force[c.crease_index[s]]
     return f
+
+
+@wp.func
+def take_area(c: Cloth, i: int):
+    """The area of particle i where the cloth is now."""
+    a = wp.vec3(0.0)
+    for s in range(c.face_start[i], c.face_start[i + 1]):
+        f = c.faces[c.face_index[s]]
+        a += wp.cross(c.x[f[1]] - c.x[f[0]], c.x[f[2]] - c.x[f[0]])
+    c.area[i] = a / 6.0
+
+
+@wp.func
+def in_air(v: wp.vec3, air: wp.vec3, area: wp.vec3, inverse_mass: float, p: Physics) -> wp.vec3:
+    """Velocity after the air's drag: quadratic and exact for its direction (du/dt = -k u^2), so it can't overshoot."""
+    size = wp.length(area)
+    u = p.settle_keep * (v - air)
+    n = area / wp.max(size, 1.0e-12)
+    across = wp.dot(u, n)
+    along = u - across * n
+    k = p.dt * size * inverse_mass
+    across = across / (1.0 + k * p.drag * wp.abs(across))
+    return air + across * n + along / (1.0 + k * p.drag_along * wp.length(along))
 
 
 @wp.func
@@ -110,39 +149,10 @@ def move_particle(c: Cloth, h: Contact, o: Contact, p: Physics, i: int, since: f
         c.x[i] = h.point[i] + (since + p.dt) * h.velocity[i]
     else:
         v = c.v[i] + p.dt * (c.inverse_mass[i] * total_force(c, i) - wp.vec3(0.0, 0.0, p.gravity))
-        v = h.air[i] + p.air_keep * (v - h.air[i])
+        v = in_air(v, h.air[i], c.area[i], c.inverse_mass[i], p)
         if o.active[i] == 1:
             v = collide(v, c.x[i], o.point[i] + since * o.velocity[i], o.velocity[i], o.normal[i], p)
         if h.active[i] == 1:
             v = collide(v, c.x[i], h.point[i] + since * h.velocity[i], h.velocity[i], h.normal[i], p)
         c.v[i] = v
         c.x[i] = c.x[i] + p.dt * v
-
-
-@wp.kernel(enable_backward=False)
-def advance_serial(c: Cloth, h: Contact, o: Contact, p: Physics, substeps: int):
-    """All substeps up to the next query in one launch of one thread: the way on a CPU."""
-    for s in range(substeps):
-        for i in range(c.x.shape[0]):
-            c.y[i] = c.x[i] + p.bend_damping * c.v[i]
-        for e in range(c.ends.shape[0]):
-            c.force[e] = edge_force(c, p, e)
-        for i in range(c.x.shape[0]):
-            move_particle(c, h, o, p, i, float(s) * p.dt)
-
-
-@wp.kernel(enable_backward=False)
-def force_pass(c: Cloth, p: Physics):
-    """Force of each edge, and what bending acts on: dim = max(E, P)."""
-    i = wp.tid()
-    if i < c.ends.shape[0]:
-        c.force[i] = edge_force(c, p, i)
-    if i < c.x.shape[0]:
-        c.y[i] = c.x[i] + p.bend_damping * c.v[i]
-
-
-@wp.kernel(enable_backward=False)
-def particle_pass(c: Cloth, h: Contact, o: Contact, p: Physics, substep: int):
-    """The move of each particle: dim = P."""
-    i = wp.tid()
-    move_particle(c, h, o, p, i, float(substep) * p.dt)

@@ -1,7 +1,7 @@
 """XPBD (Macklin et al. 2016), small: the simulator that a time budget buys, not the reference.
 
-One Gauss-Seidel pass a substep over the same springs, stencils, tangent planes and friction as the reference. It stays
-whole at any number of substeps, but what it converges to depends on them: its stiffness is set by the step.
+One Gauss-Seidel pass a substep over the same springs, stencils, creases, tangent planes and friction as the reference.
+It stays whole at any number of substeps, but what it converges to depends on them: its stiffness is set by the step.
 """
 
 from typing import Any
@@ -10,28 +10,29 @@ import warp as wp
 
 from garmentbench.simulation.assembly import Fabric
 from garmentbench.simulation.cloth import Solver, device_array
-from garmentbench.simulation.kernels import Cloth, Contact, Physics
+from garmentbench.simulation.hinge import bent, hinge_angle, hinge_gradient
+from garmentbench.simulation.kernels import Cloth, Contact, Physics, in_air
 
 
 @wp.struct
 class Bends:
-    """Bending stencils: S of them."""
+    """Bending stencils, S of them without the creased ones, and what the substep remembers of P particles."""
 
     stencil: wp.array[wp.vec4i]
     coefficient: wp.array[wp.vec4]
     stiffness: wp.array[float]  # [N/m]
+    before: wp.array[wp.vec3]  # positions before the substep [m], shape (P,)
 
 
 @wp.func
-def predict(c: Cloth, h: Contact, p: Physics, i: int, since: float):
-    """Free flight; a pinned particle goes where it is held. y keeps the old position."""
-    c.y[i] = c.x[i]
+def predict(c: Cloth, h: Contact, b: Bends, p: Physics, i: int, since: float):
+    """Free flight; a pinned particle goes where it is held."""
+    b.before[i] = c.x[i]
     if c.pinned[i] == 1:
         c.x[i] = h.point[i] + (since + p.dt) * h.velocity[i]
     else:
         v = c.v[i] - wp.vec3(0.0, 0.0, p.gravity * p.dt)
-        v = h.air[i] + p.air_keep * (v - h.air[i])
-        c.x[i] = c.x[i] + p.dt * v
+        c.x[i] = c.x[i] + p.dt * in_air(v, h.air[i], c.area[i], c.inverse_mass[i], p)
 
 
 @wp.func
@@ -66,24 +67,46 @@ def project_bend(c: Cloth, b: Bends, p: Physics, s: int):
 
 
 @wp.func
-def push_out(c: Cloth, h: Contact, p: Physics, i: int, since: float):
+def weight_of(c: Cloth, i: int) -> float:
+    """Inverse mass, none where pinned."""
+    return c.inverse_mass[i] * float(1 - c.pinned[i])
+
+
+@wp.func
+def project_crease(c: Cloth, p: Physics, k: int):
+    """Bend one crease back to its angle likewise."""
+    q = c.crease[k]
+    x0, x1, x2, x3 = c.x[q[0]], c.x[q[1]], c.x[q[2]], c.x[q[3]]
+    g = hinge_gradient(x0, x1, x2, x3)
+    w0, w1, w2, w3 = weight_of(c, q[0]), weight_of(c, q[1]), weight_of(c, q[2]), weight_of(c, q[3])
+    total = w0 * wp.dot(g.a, g.a) + w1 * wp.dot(g.b, g.b) + w2 * wp.dot(g.c, g.c) + w3 * wp.dot(g.d, g.d)
+    turn = bent(hinge_angle(x0, x1, x2, x3), c.crease_angle[k])
+    turn = turn / (total + 1.0 / (c.crease_stiffness[k] * p.dt * p.dt))
+    c.x[q[0]] = x0 - w0 * turn * g.a
+    c.x[q[1]] = x1 - w1 * turn * g.b
+    c.x[q[2]] = x2 - w2 * turn * g.c
+    c.x[q[3]] = x3 - w3 * turn * g.d
+
+
+@wp.func
+def push_out(c: Cloth, h: Contact, b: Bends, p: Physics, i: int, since: float):
     """Push out of what is touched, and rub against it."""
     if h.active[i] == 1:
         plane = h.point[i] + (since + p.dt) * h.velocity[i]
         depth = p.thickness - wp.dot(c.x[i] - plane, h.normal[i])
         if depth > 0.0:
             c.x[i] = c.x[i] + depth * h.normal[i]
-            way = c.x[i] - c.y[i] - p.dt * h.velocity[i]
+            way = c.x[i] - b.before[i] - p.dt * h.velocity[i]
             way = way - wp.dot(way, h.normal[i]) * h.normal[i]
             c.x[i] = c.x[i] - wp.min(1.0, p.friction * depth / wp.max(wp.length(way), 1.0e-9)) * way
 
 
 @wp.func
-def settle(c: Cloth, h: Contact, o: Contact, p: Physics, i: int, since: float):
+def settle(c: Cloth, h: Contact, o: Contact, b: Bends, p: Physics, i: int, since: float):
     """Push out of the cloth itself and of the body, and take the velocity from the way gone."""
-    push_out(c, o, p, i, since)
-    push_out(c, h, p, i, since)
-    c.v[i] = (c.x[i] - c.y[i]) / p.dt
+    push_out(c, o, b, p, i, since)
+    push_out(c, h, b, p, i, since)
+    c.v[i] = (c.x[i] - b.before[i]) / p.dt
 
 
 @wp.kernel(enable_backward=False)
@@ -92,24 +115,30 @@ def advance_xpbd(c: Cloth, h: Contact, o: Contact, b: Bends, p: Physics, substep
     for s in range(substeps):
         since = float(s) * p.dt
         for i in range(c.x.shape[0]):
-            predict(c, h, p, i, since)
+            predict(c, h, b, p, i, since)
         for e in range(c.ends.shape[0]):
             project_edge(c, p, e)
         for k in range(b.stiffness.shape[0]):
             project_bend(c, b, p, k)
+        for k in range(c.crease.shape[0]):
+            project_crease(c, p, k)
         for i in range(c.x.shape[0]):
-            settle(c, h, o, p, i, since)
+            settle(c, h, o, b, p, i, since)
 
 
 class XpbdSolver(Solver):
     """`Solver` with XPBD in place of the explicit integrator; takes any number of substeps."""
 
+    LAG = 0.0
+
     def __init__(self, fabric: Fabric, *args: Any, **options: Any) -> None:
         super().__init__(fabric, *args, **options)
         b = self.bends = Bends()
-        b.stencil = device_array(fabric.stencils, wp.vec4i, self.device)
-        b.coefficient = device_array(fabric.curvature, wp.vec4, self.device)
-        b.stiffness = device_array(fabric.bend_stiffness, float, self.device)
+        flat = ~fabric.creased
+        b.stencil = device_array(fabric.stencils[flat], wp.vec4i, self.device)
+        b.coefficient = device_array(fabric.curvature[flat], wp.vec4, self.device)
+        b.stiffness = device_array(fabric.bend_stiffness[flat], float, self.device)
+        b.before = wp.zeros(len(fabric.mass), dtype=wp.vec3, device=self.device)
 
     def _integrate(self) -> None:
         self._launch(

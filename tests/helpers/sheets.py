@@ -9,11 +9,12 @@ from garmentbench.scenes.material import Material, Settings
 from garmentbench.sequence import OBJECT, Body, Garment
 from garmentbench.simulation.drive import Simulated, drive
 
-__all__ = ["FPS", "HARD", "equilateral", "floor", "grid", "run", "tilt"]
+__all__ = ["FPS", "HARD", "TO_REST", "equilateral", "floor", "grid", "run", "tilt"]
 
 FPS = 30.0
-HARD = Material(air=0.0)  # the default fabric in a vacuum
+HARD = Material(drag=0.0, drag_along=0.0)  # the default fabric in a vacuum
 DEFAULTS = Settings()
+TO_REST = Settings(settling=40.0)  # brings cloth to rest quickly, and does not change where
 
 
 def grid(columns: int, rows: int, width: float, height: float, pins: Sequence[int] = ()) -> Garment:

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from sheets import FPS, HARD, floor, grid, run, tilt
 
+from garmentbench.scenes.material import Settings
+
 GRAVITY = 9.81
 THICKNESS = HARD.thickness
 
@@ -25,9 +27,25 @@ def test_free_fall():
 
 
 def test_terminal_velocity():
-    out = run(grid(4, 4, 0.2, 0.2), 61, material=replace(HARD, air=5.0))
+    """A level sheet: weight an area = drag x density of air x speed^2 / 2."""
+    material = replace(HARD, drag=1.2)
+    out = run(grid(4, 4, 0.2, 0.2), 61, material=material)
     speed = FPS * (out.positions[-2, :, 2] - out.positions[-1, :, 2])
-    assert speed == pytest.approx(GRAVITY / 5.0, rel=1e-2)
+    expected = np.sqrt(2 * material.density * GRAVITY / (1.2 * Settings().air_density))
+    assert speed == pytest.approx(np.full(25, expected), rel=1e-2)
+
+
+def test_a_sheet_that_falls_edge_on_is_hardly_held():
+    upright = grid(4, 4, 0.2, 0.2).rest[:, [0, 2, 1]].astype(np.float64)
+    fallen = [
+        (out := run(grid(4, 4, 0.2, 0.2), 31, replace(HARD, drag=1.2, drag_along=a), start=upright)).positions[0, 0, 2]
+        - out.positions[-1, 0, 2]
+        for a in (0.0, 0.02)
+    ]
+    assert fallen[0] == pytest.approx(GRAVITY / 2, rel=3e-3)
+    # dv/dt = g - k v^2, k = drag_along x density of air / (2 density): x = ln(cosh(t sqrt(g k))) / k
+    k = 0.02 * Settings().air_density / (2 * HARD.density)
+    assert fallen[1] == pytest.approx(np.log(np.cosh(np.sqrt(GRAVITY * k))) / k, rel=3e-3)
 
 
 @pytest.mark.parametrize("degrees", [10.0, 20.0])

@@ -43,7 +43,7 @@ def cost(mesh: Mesh) -> Cost | None:
     fabric = assemble(Garment(mesh.name, solid.vertices, solid.faces, uv, solid.seams, solid.pins), material, settings)
     count = substeps(fabric, material, settings, 1 / FPS)
     spring = np.bincount(fabric.edges.ravel(), np.repeat(fabric.stiffness, 2), len(fabric.mass))
-    bending = np.asarray(abs(fabric.bending).sum(axis=1)).ravel()
+    bending = np.asarray(abs(fabric.bending_of(fabric.bend_stiffness)).sum(axis=1)).ravel()
     step = _bounds(2 * spring / fabric.mass, bending / fabric.mass, material)
     stiffest = np.argmin(step)
     even = max(round(count * float(step[stiffest] / np.median(step))), settings.queries)
@@ -54,7 +54,7 @@ def _bounds(stretch: np.ndarray, bending: np.ndarray, material: Material) -> np.
     """Stable time step [s] of each particle alone, by `simulation.time_step`'s formula, of squared frequencies
     [1/s^2]."""
     square = stretch + bending
-    damping = material.stretch_damping * stretch + material.bend_damping * bending
+    damping = material.stretch_damping * stretch
     return (np.sqrt(damping**2 + 4 * square) - damping) / square
 
 

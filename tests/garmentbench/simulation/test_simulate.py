@@ -7,7 +7,7 @@ import pytest
 
 from garmentbench.errors import UserError
 from garmentbench.progress import listening
-from garmentbench.scenes.material import Settings
+from garmentbench.scenes.material import Material, Settings
 from garmentbench.scenes.presets import preset
 from garmentbench.scenes.scene import Motion, Scene
 from garmentbench.simulation.simulate import simulate
@@ -47,11 +47,13 @@ def test_progress_is_told():
     assert label == "simulate short" and done == total >= SCENE.frames
 
 
-def test_moved_and_turned_scene_moves_alike(sequence):
-    far = replace(SCENE, motion=replace(SCENE.motion, translate=(1000.0, 0.0, 0.0), turn=90.0))
+def test_moved_and_turned_scene_moves_alike():
+    """Slowed down, so that rounding doesn't grow."""
+    slow = replace(SCENE, simulation=Settings(settling=10.0))
+    far = replace(slow, motion=replace(SCENE.motion, translate=(1000.0, 0.0, 0.0), turn=90.0))
     back = simulate(far, SMOKE).garment.astype(np.float64) - [1000, 0, 0]
     back = np.stack([back[..., 1], -back[..., 0], back[..., 2]], axis=-1)
-    assert np.linalg.norm(back - sequence.garment, axis=-1).mean() < 5e-4
+    assert np.linalg.norm(back - simulate(slow, SMOKE).garment, axis=-1).mean() < 5e-4
 
 
 def test_pushed_start_ends_elsewhere(sequence):
@@ -60,5 +62,10 @@ def test_pushed_start_ends_elsewhere(sequence):
 
 
 def test_step_beyond_its_bound_is_refused_once_nothing_finite_is_left():
-    with pytest.raises(UserError, match="lower step_margin .it is 4"):
-        simulate(replace(SCENE, simulation=Settings(step_margin=4.0)), SMOKE)
+    with pytest.raises(UserError, match="lower step_margin .it is 1000"):
+        simulate(
+            replace(
+                SCENE, material=Material(stretch=1e8, drag=0.0, drag_along=0.0), simulation=Settings(step_margin=1e3)
+            ),
+            SMOKE,
+        )
