@@ -8,6 +8,7 @@ from garmentbench.evals.baselines import BASELINES
 from garmentbench.evals.convergence.study import STUDY as CONVERGENCE
 from garmentbench.evals.crosscheck.study import STUDY as CROSSCHECK
 from garmentbench.evals.data import CARDS
+from garmentbench.evals.difficulty.study import STUDY as DIFFICULTY
 from garmentbench.evals.experiment import Experiment
 from garmentbench.evals.fabrics.study import STUDY as FABRICS
 from garmentbench.evals.left_out import LEAVING_OUT
@@ -21,6 +22,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     e.name: e
     for e in (
         BASELINES,
+        DIFFICULTY,
         STICK,
         *ABLATIONS,
         *WARDROBE,

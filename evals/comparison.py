@@ -121,19 +121,24 @@ class Comparison(Experiment):
     tests: tuple[str, ...]
     entries: tuple[Entry, ...]
 
-    def work(self, preset: Preset, seeds: int) -> Work:
+    def trials(self, preset: Preset, seeds: int) -> list[Trial]:
+        """Every entry and seed on every test. Raises `UserError` for what doesn't exist or goes together."""
         scenes, lengths = expanded(self.train)
         train, tests = (tuple(resolve_source(name) for name in names) for names in (scenes, self.tests))
         choices = {entry: pipeline.choose_method(entry.method, entry.variant, preset) for entry in self.entries}
         self._require_names_of_their_own(choices)
         self._require_frames(train)
-        trials = [
+        return [
             Trial(entry, choice, train, seed, test, lengths)
             for test in tests
             for entry, choice in choices.items()
             for seed in range(seeds if choice.random else 1)
         ]
-        jobs = {job.key: job for scene in (*train, *tests) for job in [sequence_job(scene, preset)]}
+
+    def work(self, preset: Preset, seeds: int) -> Work:
+        trials = self.trials(preset, seeds)
+        scenes = [scene for trial in trials for scene in (*trial.train, trial.test)]
+        jobs = {job.key: job for scene in scenes for job in [sequence_job(scene, preset)]}
         jobs |= {job.key: job for trial in trials for job in _jobs(trial, trials, preset)}
 
         def rows(results: dict) -> list[Row]:
