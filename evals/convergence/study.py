@@ -1,4 +1,5 @@
-"""Trust in the reference: how far it moves when its step is halved, its start is pushed and its mesh is refined.
+"""Trust in the reference: how far it moves when its step is halved, its start is pushed and its mesh is refined;
+and, for comparison, how far when the cloth, the air or the body is another.
 
 Every run is of the scene's first frames, after the whole warm-up, so that what is measured is what methods are measured
 against. Runs with other steps are compared with the finest one; runs with another start or mesh with the chosen
@@ -21,6 +22,7 @@ from garmentbench.evals.convergence.table import (
     FINEST,
     ROUNDING,
     convergence_table,
+    sensitivity_table,
     studies,
     trust_table,
 )
@@ -61,32 +63,49 @@ class Variant:
     Attributes:
         name: The variant in results.csv.
         substeps: Times as many substeps as the chosen setting.
+        queries: Times as many queries of the nearest point, in as many substeps as they then need.
         start_noise: Every vertex is pushed so far at the start, beyond the scene's own push [m].
         refined: On the mesh with every triangle cut in four.
+        material: Factors by which quantities of the material are changed.
+        body: Another size of the body, or None.
     """
 
     name: str
     substeps: int = 1
+    queries: int = 1
     start_noise: float = 0.0
     refined: bool = False
+    material: tuple[tuple[str, float], ...] = ()
+    body: str | None = None
 
     @property
     def compared_with(self) -> str:
         """The variant that it is compared with."""
-        return CHOSEN if self.start_noise or self.refined else FINEST
+        return FINEST if self in STEPS else CHOSEN
 
 
+STEPS = (
+    Variant(CHOSEN),
+    Variant("substeps_x2", substeps=2),
+    Variant("substeps_x4", substeps=4),
+    Variant(FINEST, substeps=8),
+)
 VARIANTS = {
     v.name: v
     for v in (
-        Variant(CHOSEN),
-        Variant("substeps_x2", substeps=2),
-        Variant("substeps_x4", substeps=4),
-        Variant(FINEST, substeps=8),
+        *STEPS,
+        Variant("queries_x8", queries=8),
         Variant(ROUNDING, start_noise=1e-6),
         Variant("start_1mm", start_noise=1e-3),
         Variant("start_1cm", start_noise=1e-2),
         Variant("mesh_fine", refined=True),
+        Variant("drag_half", material=(("drag", 0.5),)),
+        Variant("drag_double", material=(("drag", 2.0),)),
+        Variant("friction_half", material=(("friction", 0.5),)),
+        Variant("compression_third", material=(("compression", 0.3),)),
+        Variant("bending_half", material=(("bending", 0.5),)),
+        Variant("bending_double", material=(("bending", 2.0),)),
+        Variant("body_full", body="full"),
     )
 }
 
@@ -104,7 +123,7 @@ def simulate_variant(scene: Scene, preset: Preset, variant: Variant) -> str:
         if not run.finished:
             quiet_warp()
             device = "cuda:0" if has_cuda() else "cpu"
-            positions, outcome = rerun_scene(changed(scene, variant), preset, variant.refined, device)
+            positions, outcome = rerun_scene(*changed(scene, preset, variant), variant.refined, device)
             with written_whole(run.folder / POSITIONS) as partial, partial.open("wb") as file:
                 np.save(file, positions)
             run.finish(outcome)
@@ -116,7 +135,7 @@ def _identity(scene: Scene, preset: Preset, variant: Variant) -> dict:
     from garmentbench.reference import reference_identity
     from garmentbench.storage.fingerprint import fingerprint
 
-    scene = changed(scene, variant)
+    scene, preset = changed(scene, preset, variant)
     return {
         "scene": scene.name,
         "preset": preset.name,
@@ -127,13 +146,25 @@ def _identity(scene: Scene, preset: Preset, variant: Variant) -> dict:
     }
 
 
-def changed(scene: Scene, variant: Variant) -> Scene:
-    """The scene's first frames, its settings changed."""
-    own = scene.simulation
+def changed(scene: Scene, preset: Preset, variant: Variant) -> tuple[Scene, Preset]:
+    """The scene's first frames and the preset, changed; of two layers both are."""
+    own, beneath = scene.simulation, scene.worn_over
     settings = replace(
-        own, substep_factor=variant.substeps * own.substep_factor, start_noise=variant.start_noise + own.start_noise
+        own,
+        substep_factor=variant.substeps * own.substep_factor,
+        queries=variant.queries * own.queries,
+        start_noise=variant.start_noise + own.start_noise,
     )
-    return replace(scene, frames=min(FRAMES, scene.frames), simulation=settings)
+    factors = {name: factor * getattr(scene.material, name) for name, factor in variant.material}
+    scene = replace(
+        scene,
+        frames=min(FRAMES, scene.frames),
+        simulation=settings,
+        material=replace(scene.material, **factors),
+        worn_over=None if beneath is None else changed(beneath, preset, variant)[0],
+    )
+    body = variant.body or preset.mesh.body_size
+    return scene, replace(preset, mesh=replace(preset.mesh, body_size=body))
 
 
 class Convergence(Experiment):
@@ -159,12 +190,16 @@ class Convergence(Experiment):
 
         found = studies(results)
         plot = Picture(f"plots/{CONVERGENCE}.svg", CAPTION, convergence_plot(found))
-        return [Section(convergence_table(found), [plot]), Section(trust_table(found))]
+        return [
+            Section(convergence_table(found), [plot]),
+            Section(trust_table(found)),
+            Section(sensitivity_table(found)),
+        ]
 
 
 def _cost(variant: Variant) -> float:
     """Rough seconds: four times the vertices take about twice the substeps."""
-    return 4.0 * variant.substeps * (8 if variant.refined else 1)
+    return 4.0 * variant.substeps * (1 + variant.queries / 2) * (8 if variant.refined else 1)
 
 
 def _variant_rows(scene: Scene, variant: Variant, preset: Preset, results: dict) -> list[Row]:

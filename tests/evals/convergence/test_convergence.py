@@ -1,13 +1,14 @@
 """The convergence study: what each run changes, the numbers on a case that can be computed, and its rows."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from garmentbench.evals.convergence import study as convergence
 from garmentbench.evals.convergence.study import VARIANTS, changed, distances, simulate_variant
-from garmentbench.evals.convergence.table import CHOSEN, FINEST, observed_order
+from garmentbench.evals.convergence.table import CHOSEN, FINEST, OTHER_CLOTH, observed_order
 from garmentbench.scenes.material import Settings
 from garmentbench.scenes.presets import PRESETS
 from garmentbench.scenes.wardrobe import load_scene
@@ -42,13 +43,23 @@ def test_a_run_that_ended_early_has_no_difference():
 
 
 def test_a_scene_s_own_settings_are_multiplied_not_replaced():
-    from dataclasses import replace
-
     scene = replace(load_scene(SHEET), simulation=Settings(substep_factor=2, start_noise=0.01, queries=16))
-    finer = changed(scene, VARIANTS["substeps_x4"])
+    finer, preset = changed(scene, SMOKE, VARIANTS["substeps_x4"])
+    assert preset == SMOKE
     assert finer.simulation == Settings(substep_factor=8, start_noise=0.01, queries=16)
-    assert changed(scene, VARIANTS["start_1mm"]).simulation.start_noise == pytest.approx(0.011)
+    assert changed(scene, SMOKE, VARIANTS["start_1mm"])[0].simulation.start_noise == pytest.approx(0.011)
     assert finer.frames == convergence.FRAMES
+    assert changed(scene, SMOKE, VARIANTS["queries_x8"])[0].simulation.queries == 128
+    assert changed(scene, SMOKE, VARIANTS["drag_half"])[0].material == replace(scene.material, drag=0.6)
+    assert changed(scene, SMOKE, VARIANTS["body_full"])[1].mesh.body_size == "full"
+
+
+def test_both_layers_are_changed():
+    scene = changed(load_scene("over_skirt-armspace-90"), SMOKE, VARIANTS["bending_double"])[0]
+    plain = load_scene("over_skirt-armspace-90")
+    assert scene.worn_over is not None and plain.worn_over is not None
+    for one, other in ((scene, plain), (scene.worn_over, plain.worn_over)):
+        assert one.material.bending == 2 * other.material.bending
 
 
 def test_what_is_compared_with_what():
@@ -57,10 +68,7 @@ def test_what_is_compared_with_what():
         "substeps_x2": FINEST,
         "substeps_x4": FINEST,
         FINEST: FINEST,
-        "start_1um": CHOSEN,
-        "start_1mm": CHOSEN,
-        "start_1cm": CHOSEN,
-        "mesh_fine": CHOSEN,
+        **dict.fromkeys(("queries_x8", "start_1um", "start_1mm", "start_1cm", "mesh_fine", *OTHER_CLOTH), CHOSEN),
     }
 
 

@@ -6,7 +6,16 @@ import pytest
 from report_example import WALK, row, write_results, write_run
 
 from garmentbench.evals.convergence.plot import convergence_plot
-from garmentbench.evals.convergence.table import CHOSEN, FINEST, convergence_table, observed_order, studies, trust_table
+from garmentbench.evals.convergence.table import (
+    CHOSEN,
+    FINEST,
+    OTHER_CLOTH,
+    convergence_table,
+    observed_order,
+    sensitivity_table,
+    studies,
+    trust_table,
+)
 from garmentbench.evals.report import make_report
 from garmentbench.evaluation.toy import tiny_sequence
 from garmentbench.report.lines import Results, read_results
@@ -29,7 +38,8 @@ def study_rows(scene: dict, scale: float = 1.0) -> list[dict]:
         if variant in STEP:
             rows.append(of(variant, "difference", scale * STEP[variant], "cm"))
             rows.append(of(variant, "difference_p95", 2 * scale * STEP[variant], "cm"))
-    for variant, value in (("start_1um", 0.001), ("start_1mm", 0.02), ("start_1cm", 0.2), ("mesh_fine", 0.9)):
+    other = {"queries_x8": 0.01, "start_1um": 0.001, "start_1mm": 0.02, "start_1cm": 0.2, "mesh_fine": 0.9}
+    for variant, value in (other | dict.fromkeys(OTHER_CLOTH, 1.25)).items():
         rows += [of(variant, "difference", scale * value, "cm"), of(variant, "ms_per_frame", 20.0, "ms")]
     return rows
 
@@ -101,7 +111,12 @@ def test_the_chosen_setting_is_marked_and_every_run_is_there(tmp_path):
     text = markdown(convergence_table(studies(read(tmp_path, study_rows(WALK)))))
     assert "| tshirt-armspace-90 | **the chosen setting** | **56** | **0.7** | **1.4** | **20.0** | ok |" in text
     assert "| tshirt-armspace-90 | 8 times the substeps, the finest | 448 | – | – | 160 | ok |" in text
-    assert text.count("| tshirt-armspace-90 |") == 8
+    assert text.count("| tshirt-armspace-90 |") == 9
+
+
+def test_what_the_reference_depends_on_stands_beside_its_uncertainty(tmp_path):
+    text = markdown(sensitivity_table(studies(read(tmp_path, study_rows(WALK)))))
+    assert "| tshirt-armspace-90 | 0.7 |" + " 1.2 |" * len(OTHER_CLOTH) in text
 
 
 def test_a_run_that_became_unstable_says_so(tmp_path):
