@@ -24,8 +24,7 @@ def droop(material: Material) -> float:
     """Angle [degrees] below level of the chord of a strip that hangs over a table's edge by `OVERHANG`."""
     cloth, end = balanced(10)
     cloth = replace(cloth, rest=(OVERHANG * cloth.rest).astype(np.float32))
-    still = replace(material, **{"drag": 0.0, "drag_along": 0.0} if hasattr(material, "drag") else {"compression": 1.0})
-    last = run(cloth, 2.0, still, settle=10.0).positions[-1]
+    last = run(cloth, 2.0, material, settle=10.0).positions[-1]
     tip, middle = end @ last, last[cloth.pins].mean(axis=0)
     return math.degrees(math.atan2(middle[2] - tip[2], tip[0]))
 

@@ -174,7 +174,6 @@ CASES = (
         sizes=SWINGS,
         tolerance=3.0,
         source="hanging chain with quadratic drag along its normal, 20 modes integrated",
-        fast=False,
     ),
     Case(
         name="terminal_speed",
@@ -186,6 +185,5 @@ CASES = (
         tolerance=0.01,
         relative=True,
         source="sqrt(2 rho g / (drag air))",
-        fast=False,
     ),
 )

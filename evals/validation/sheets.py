@@ -8,12 +8,16 @@ import numpy as np
 from garmentbench.evals.crosscheck.match_material import equilateral
 from garmentbench.evals.validation import exact
 from garmentbench.evals.validation.case import Case
+from garmentbench.evals.validation.drape import drape
 from garmentbench.evals.validation.strips import HEIGHT, run, vacuum
+from garmentbench.scenes.fabrics import fabric
+from garmentbench.scenes.material import Material
 
 LENGTH, WIDTH = 0.25, 0.4  # [m] along and across the tension
 YOUNG, STRAIN = 200.0, 0.05  # E t [N/m]; how far it is stretched
 RIGIDITY = 2e-5  # [N m] so that about six wrinkles fit
 NARROWER = 0.03  # the ends are pushed together across by so much
+DRAPED = "wool"
 PLEATS, PLEATED, FLAT = 6, 0.12, 0.19  # how many, length at rest and of the cloth [m]
 FINE = 16  # part of a spectrum's step that its peak is found to
 
@@ -62,7 +66,23 @@ def unfolded(lines: float) -> float:
     return 1e3 * float(np.linalg.norm(last[row == count].mean(axis=0) - last[row == 0].mean(axis=0)))
 
 
+def draped(edge: float) -> float:
+    """Cusick's coefficient [%] of the fabric `DRAPED`; `make fabrics` has all of them."""
+    return drape(Material(**fabric(DRAPED).material), edge).coefficient
+
+
 CASES = (
+    Case(
+        name="drape",
+        title=f"disc of {DRAPED}, 30 cm, over a table of 18 cm: drape coefficient",
+        unit="%",
+        wanted=lambda: fabric(DRAPED).drape or (0.0, 0.0),
+        simulate=draped,
+        sizes={"16 mm": 0.016, "11 mm": 0.0113, "8 mm": 0.008},
+        source=f"band of {fabric(DRAPED).drape_source}",
+        fast=False,
+        cost=10.0,
+    ),
     Case(
         name="pleats",
         title="strip of six pleats, 12 cm, drawn out to 18.4 cm: length to which it comes back",
@@ -73,7 +93,6 @@ CASES = (
         tolerance=0.005,
         relative=True,
         source="a crease keeps the angle of the rest shape",
-        fast=False,
     ),
     Case(
         name="wrinkles",

@@ -17,7 +17,7 @@ from garmentbench.simulation.cloth import Solver
 from garmentbench.simulation.drive import OK, drive
 from garmentbench.simulation.time_step import substeps
 
-TOUCHING = Settings(self_contact=True)
+TOUCHING, BODY_ONLY = Settings(self_contact=True), Settings(self_contact=False)
 RADIUS, RUB = 0.1, 0.4  # of the cylinder [m], and friction on it
 STARTS = 10
 
@@ -42,7 +42,7 @@ def slide(degrees: float, friction: float, edges: float) -> float:
     body, angle = floor(), math.radians(degrees)
     start = tilt(cloth.rest + np.array([0, 0, material.thickness]), degrees)
     frames = np.tile(tilt(body.rest, degrees), (31, 1, 1))
-    out = drive(cloth, start, body, frames, FPS, material, Settings())
+    out = drive(cloth, start, body, frames, FPS, material, BODY_ONLY)
     way = (out.positions - start).mean(axis=1) @ [math.cos(angle), 0, -math.sin(angle)]
     return 2 * float(np.polyfit(np.arange(16) / FPS, way[15:], 2)[0])
 
@@ -72,7 +72,7 @@ def capstan(edges: float) -> float:
     z = radius * np.sin(angle) + np.minimum(s, 0) - np.maximum(s - arc, 0)
     start = np.column_stack([x, cloth.rest[:, 1] - cloth.rest[:, 1].mean(), z])
     body, frames = _drawn_over(radius, leg)
-    out = drive(cloth, start, body, frames, FPS, material, replace(Settings(), gravity=0.0))
+    out = drive(cloth, start, body, frames, FPS, material, replace(BODY_ONLY, gravity=0.0))
     a, b = out.fabric.edges.T
     first = np.unique(out.fabric.particle, return_index=True)[1]
     lies = out.fabric.rest[:, 0]

@@ -5,8 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from garmentbench.evals.crosscheck.match_material import equilateral, sheet
+from garmentbench.evals.validation.touching import floor, tilt
 from garmentbench.scenes.material import Material, Settings
-from garmentbench.sequence import OBJECT, Body, Garment
+from garmentbench.sequence import Body, Garment
 from garmentbench.simulation.drive import Simulated, drive
 
 __all__ = ["FPS", "HARD", "TO_REST", "equilateral", "floor", "grid", "run", "tilt"]
@@ -21,19 +22,6 @@ def grid(columns: int, rows: int, width: float, height: float, pins: Sequence[in
     """A flat sheet in the plane z = 0 with its first corner at 0, (columns + 1) x (rows + 1) vertices, row by row."""
     x, y = np.meshgrid(np.linspace(0, width, columns + 1), np.linspace(0, height, rows + 1))
     return sheet(np.stack([x, y, 0 * x], axis=-1).reshape(-1, 3), columns, rows, pins)
-
-
-def floor(half: float = 5.0) -> Body:
-    """A square floor at z = 0."""
-    points = np.array([[-half, -half, 0], [half, -half, 0], [half, half, 0], [-half, half, 0]], np.float32)
-    return Body("floor", points, np.array([[0, 1, 2], [0, 2, 3]], np.int32), kind=OBJECT)
-
-
-def tilt(points: np.ndarray, degrees: float) -> np.ndarray:
-    """Points turned about the y axis: what lay on the floor then lies on a slope that falls towards +x."""
-    angle = np.radians(degrees)
-    turn = np.array([[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]])
-    return points.astype(np.float64) @ turn.T
 
 
 def run(
