@@ -10,7 +10,7 @@ from garmentbench.errors import UsageError, UserError
 
 @dataclass(frozen=True)
 class ImportMotion:
-    """Retarget a recorded motion (BVH, AMASS) to a body, say what was found, and write it as a clip for scenes.
+    """Retarget a recording (BVH, ASF/AMC, AMASS) to a body, say what was found, and write it as a clip for scenes.
 
     Joint names are guessed (CMU's conversions, Mixamo, SMPL) unless --map names them. In a scene:
     [motion] with name = "clip" and file = "walk.npz".
@@ -18,7 +18,7 @@ class ImportMotion:
     Example: garmentbench import-motion walk.bvh --out walk.npz --picture walk.png
 
     Attributes:
-        file: The recording: .bvh, or .npz as in AMASS.
+        file: The recording: .bvh, .amc (with its .asf beside it), or .npz as in AMASS.
         out: The clip to write (.npz).
         picture: Also draw a contact sheet into this PNG file.
         body: Whose body.

@@ -1,1 +1,1 @@
-"""Recorded motions (BVH, AMASS) on our bodies: reading, retargeting, feet on the floor."""
+"""Recorded motions (BVH, ASF/AMC, AMASS) on our bodies: reading, retargeting, feet on the floor."""

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from garmentbench.errors import UserError
+from garmentbench.importing.motions.acclaim import read_amc
 from garmentbench.importing.motions.amass import ARRAYS, amass_recording, is_amass
 from garmentbench.importing.motions.bvh import read_bvh
 from garmentbench.importing.motions.names import NameMap, map_names
@@ -58,7 +59,7 @@ class ImportedClip:
 
 
 def import_clip(path: Path, baked: BakedBody, fps: float, choices: Choices = Choices()) -> ImportedClip:
-    """The clip of a file (.bvh, AMASS's .npz, or a clip's .npz) on a body, at `fps` frames a second.
+    """The clip of a file (.bvh, .amc, AMASS's .npz, or a clip's .npz) on a body, at `fps` frames a second.
 
     Raises `UserError` for a file that is none of these, cut off or malformed, and for times outside it; `UsageError`
     for wrong names in the map.
@@ -86,10 +87,12 @@ def _check_length(path: Path, recording: Recording, fps: float) -> None:
 def _read(path: Path, fps: float | None) -> Recording | None:
     """The recording in a file; None where that is not one of another program's, as a clip's own."""
     if not path.is_file():
-        raise UserError(f"{path}: no such file; wanted a motion (.bvh or .npz)")
+        raise UserError(f"{path}: no such file; wanted a motion (.bvh, .amc or .npz)")
     if path.suffix.lower() == ".bvh":
         return read_bvh(path, fps)
+    if path.suffix.lower() in (".amc", ".asf"):
+        return read_amc(path, fps)
     if path.suffix.lower() != ".npz":
-        raise UserError(f"{path}: wanted a motion as .bvh or .npz; export it as BVH")
+        raise UserError(f"{path}: wanted a motion as .bvh, .amc (its .asf beside it) or .npz; export it as BVH")
     arrays = read_arrays(path, "a motion", "copy or make it again", (*ARRAYS, "kind"))
     return amass_recording(arrays, path, fps) if "kind" not in arrays or is_amass(arrays) else None

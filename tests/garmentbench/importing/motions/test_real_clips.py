@@ -26,6 +26,7 @@ CLIPS = {  # what they are known to be: convention, unit, frames at 30 a second,
     "131_01": ("CMU for 3ds Max", "CMU's 5.64 cm", 249, 1.63),
     "jesse_dance": ("Mixamo", "centimetres", 302, 1.76),
     "salsa_10": ("CMU for Daz", "centimetres", 299, 1.68),
+    "35_01": ("CMU as captured", "CMU's 5.64 cm", 90, 1.78),  # ASF and AMC
 }
 pytestmark = pytest.mark.skipif(
     not (MOCAP / "131_01.bvh").is_file(), reason="the recordings in ../shared/data/mocap are not there"
@@ -34,7 +35,10 @@ pytestmark = pytest.mark.skipif(
 
 @cache
 def loaded(name: str, arm_space: float = 0.0) -> ImportedClip:
-    return import_clip(MOCAP / f"{name}.bvh", BASE, 30.0, Choices(arm_space=arm_space))
+    amc = MOCAP / f"{name}.amc"
+    rate = 120.0 if amc.is_file() else None
+    file = amc if rate else MOCAP / f"{name}.bvh"
+    return import_clip(file, BASE, 30.0, Choices(arm_space=arm_space, recording_fps=rate))
 
 
 @pytest.mark.parametrize("name", CLIPS)
@@ -48,10 +52,29 @@ def test_what_is_found_and_made_of_it(name):
         frames,
     )
     assert found.upright.height == pytest.approx(height, abs=0.02)
-    assert foot_slide_cm(found.clip, BASE) < 0.05 < 1 < foot_slide_cm(found.unplanted, BASE)
+    assert foot_slide_cm(found.clip, BASE) < 0.05 < 0.5 < foot_slide_cm(found.unplanted, BASE)
+    assert found.upright.mirrored is False
     low, high = foot_heights_cm(found.clip, BASE)
     assert low > -0.05 and high < 0.05
     assert all("\n" not in line for line in findings(found, BASE))
+
+
+def test_every_clip_of_the_folder_is_read():
+    """Of an AMC the ASF beside it is a part."""
+    there = {p.stem for p in MOCAP.iterdir() if p.suffix in (".bvh", ".amc")}
+    assert there == set(CLIPS) and {p.suffix for p in MOCAP.iterdir()} == {".bvh", ".amc", ".asf", ".md"}
+
+
+def test_a_walk_of_cmu_s_is_a_walk():
+    """35_01, "walk": 3 s at a walking pace, on one foot or both, arms down, looking ahead."""
+    clip = loaded("35_01").clip.from_origin(0)
+    speed = np.linalg.norm(clip.root[-1, :2] - clip.root[0, :2]) / (len(clip) / clip.fps)
+    assert (
+        0.9 < speed < 1.7 and clip.root[-1, 1] < -2.5 and abs(clip.root[-1, 0]) < 0.8
+    )  # pelvis turned by 8 degrees in frame 0
+    assert clip.standing.any(axis=1).mean() > 0.75 and clip.standing.all(axis=1).mean() < 0.4
+    for side in "LR":
+        assert bones(clip)[f"upper_arm.{side}"][:, 2].max() < -0.8
 
 
 def bones(clip: Clip) -> dict[str, np.ndarray]:
