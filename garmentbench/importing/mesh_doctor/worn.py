@@ -13,9 +13,11 @@ from garmentbench.importing.mesh_doctor.body import Wearer, depths
 from garmentbench.importing.mesh_doctor.finding import Finding
 from garmentbench.importing.mesh_doctor.mesh import Mesh
 from garmentbench.importing.mesh_doctor.topology import borders
-from garmentbench.importing.meshes.conventions import UNITS, converter
+from garmentbench.importing.meshes.conventions import UNITS, converter, unit_name
 from garmentbench.sequence import HUMAN, Sequence
 
+_SAME_UNIT = 1e-3  # relative difference
+_WIDE = 0.5  # [m] from the skin in the median: wider than any garment, the suite's widest has 0.08
 NEAR = 0.1  # [m] a garment with one border (a cape) is worn where it is this near
 _SIZES = 0.25, 2.5  # diagonal of a garment [m]
 _STEP = 0.1  # [m] of the heights that are tried
@@ -76,7 +78,8 @@ def is_worn(mesh: Mesh, wearer: Wearer) -> bool:
     points = mesh.points[np.unique(mesh.corners)]
     low, high, body = points.min(axis=0), points.max(axis=0), wearer.body.rest
     soles, height = body[:, 2].min(), np.ptp(body[:, 2])
-    if wearer.body.kind == HUMAN and height > _TALL and (low[2] + high[2]) / 2 < soles + _SOLES * height:
+    at_the_feet = (low[2] + high[2]) / 2 < soles + _SOLES * height
+    if wearer.body.kind == HUMAN and height > _TALL and (at_the_feet or _median_gap(mesh, wearer) > _WIDE):
         return False
     openings, crossed = _openings(mesh, _skin(wearer))
     if crossed or (openings and (depths(_hubs(mesh), wearer) > 0).any()):
@@ -93,9 +96,14 @@ def not_worn(mesh: Mesh, wearer: Wearer, units: str = "m") -> list[Finding]:
         return []
     low, high = mesh.points[mesh.corners].min(axis=(0, 1)), mesh.points[mesh.corners].max(axis=(0, 1))
     middle = ", ".join(f"{x:.2f}" for x in (low + high) / 2)
-    what = f"not worn by '{wearer.body.name}': no part of it goes through the openings; the middle is at ({middle}) m"
-    change = proposal(mesh, wearer)
-    if change is None:
+    what = f"not worn by '{wearer.body.name}': no part of it goes through the openings, or it stands far off; "
+    what += f"the middle is at ({middle}) m"
+    factor = other_unit(mesh, wearer, UNITS[units])
+    change = proposal(mesh, wearer) if factor == 1 else None
+    if factor != 1:
+        right = unit_name(UNITS[units] * factor)
+        do = f"in {right} it would be worn: --fix OUT --units {right}; until then nothing is pushed"
+    elif change is None:
         do = "bring it to where it is worn; --fix pushes nothing"
     else:
         change = replace(change, units=units)
@@ -115,15 +123,54 @@ def never_worn(sequence: Sequence) -> list[Problem]:
         if is_worn(mesh, wearer):
             continue
         gap = nearest_vertices(mesh.points, wearer.body.rest)[0].min()
-        no_part = f"no part of '{template.body.name}' goes through the garment's openings; it is {gap:.2g} m away"
+        no_part = (
+            f"no part of '{template.body.name}' goes through the garment's openings, or it stands far off the skin"
+        )
+        no_part += f" (the nearest point is {gap:.2g} m away)"
         if frame:
             do = "look at it (garmentbench view): do both have the same times and rate?"
             return [Problem(f"frame {frame}", f"worn in frame 0, but here {no_part}", do, warning=True)]
-        change = proposal(mesh, wearer)
-        likely = "another origin, axes, unit or time than the body's?" if change is None else f"{change.words()}?"
-        do = f"{likely} Look at it (--picture), and import it with the right ones"
+        do = f"{_likely(mesh, wearer)}? Look at it (--picture), and import it with what is right"
         return [Problem("frame 0", no_part, do)]
     return []
+
+
+def _likely(mesh: Mesh, wearer: Wearer) -> str:
+    """The likely cause of a garment's not being on its body."""
+    factor = other_unit(mesh, wearer)
+    if factor != 1:
+        return f"worn at {factor:.3g} times its size: {_RATIOS[factor]}"
+    change = proposal(mesh, wearer)
+    return "another origin, axes, unit or time than the body's" if change is None else change.words()
+
+
+def other_unit(mesh: Mesh, wearer: Wearer, unit: float | None = None) -> float:
+    """By what a garment is to be scaled to be worn, if its unit is what is wrong with it; 1 where it isn't.
+
+    Args:
+        mesh: The garment, in metres if its unit is the one that it is taken for.
+        wearer: The body.
+        unit: That unit [m]; None: not known.
+
+    Of several units the one in which it lies closest.
+    """
+    fits = {1.0: np.inf}
+    for factor in _RATIOS:
+        known = unit is None or any(abs(factor * unit / u - 1) < _SAME_UNIT for u in UNITS.values())
+        if known and _SIZES[0] <= factor * mesh.size <= _SIZES[1]:
+            scaled = mesh.scaled(factor)
+            if is_worn(scaled, wearer) and _inside(scaled, wearer) <= _FEW:
+                fits[factor] = _median_gap(scaled, wearer)
+    return min(fits, key=fits.__getitem__)
+
+
+def _median_gap(mesh: Mesh, wearer: Wearer) -> float:
+    """How far a garment is from the body's vertices, in the median of a thousand points or fewer [m]."""
+    points = mesh.points[np.unique(mesh.corners)]
+    return float(np.median(nearest_vertices(points[:: max(1, len(points) // 1000)], wearer.body.rest)[0]))
+
+
+_RATIOS = {a / b: f"{u} taken for {v}" for (u, a), (v, b) in product(UNITS.items(), UNITS.items()) if u != v}
 
 
 def of_frame(sequence: Sequence, frame: int) -> tuple[Mesh, Wearer]:

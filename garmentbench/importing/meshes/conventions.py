@@ -23,6 +23,7 @@ AXES = {  # new x, y, z as signed axes of the file's (1 is x); all are turns, no
 }
 HEIGHTS = 1.0, 2.4  # of a standing human body [m]
 SPANS = 0.4, 2.8  # diagonal of a garment's bounding box [m]
+_SLOWEST = 4.0  # frames a second: what is recorded at fewer is no motion of cloth
 _STANDS = 0.05  # a body's lowest point is this near to 0, relative to its height
 
 
@@ -85,6 +86,9 @@ def find_conventions(garment: MeshSequence, body: MeshSequence | None, given: Gi
         lambda: guess_unit(garment, person if given.body_units is None else None, up[1]),
     )
     fps, about_fps = _decide("fps", (given.fps, given.fps), garment.fps, other.fps, _no_rate)
+    if given.fps is None and not min(fps) >= _SLOWEST:
+        found = f"fps: the files say {min(fps):g} frames a second: are their times numbers of frames?"
+        raise UserError(f"{found} Give --fps, e.g. --fps 30")
     if fps[0] != fps[1] and min(len(garment.frames), len(other.frames)) > 1:
         raise UserError(
             f"the garment has {fps[0]:g} frames a second, the body {fps[1]:g}; "

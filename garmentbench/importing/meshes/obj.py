@@ -182,13 +182,11 @@ def _natural(path: Path) -> list[tuple[int, int, str]]:
 
 
 def _refuse_mixed(source: str, files: list[Path]) -> None:
-    found = [re.fullmatch(r"(.*?)(\d+)", p.stem) for p in files]
-    matches = [m for m in found if m]
-    names = sorted({m.group(1) if m else p.stem for m, p in zip(found, files, strict=True)})
-    if len(names) > 1 or None in found:
+    numbers = _numbers(files)
+    if numbers is None:
+        names = list(dict.fromkeys(re.sub(r"\d+$", "", p.stem) for p in files))
         what = f"files of different names ({', '.join(names[:3])} ...), wanted one numbered series"
         raise refusal(source, what, f"name one by a pattern, e.g. '{files[0].parent / names[-1]}*.obj'")
-    numbers = np.array([int(m.group(2)) for m in matches])
     steps = np.diff(numbers)
     gap = np.flatnonzero(steps != np.median(steps))
     if len(gap):
@@ -199,9 +197,14 @@ def _refuse_mixed(source: str, files: list[Path]) -> None:
 
 
 def _numbers(files: list[Path]) -> np.ndarray | None:
-    """The frames' numbers in the files' names, shape (T,); None of a single file."""
-    found = [re.search(r"(\d+)$", p.stem) for p in files]
-    return np.array([float(m[1]) for m in found if m]) if len(files) > 1 and None not in found else None
+    """The frames' numbers in the files' names, shape (T,): the one by which alone they differ; None of a
+    single file, and of names that differ otherwise.
+    """
+    parts = [re.split(r"(\d+)", p.stem) for p in files]
+    if len(files) < 2 or len({len(words) for words in parts}) > 1:
+        return None
+    differ = [k for k, words in enumerate(zip(*parts, strict=True)) if len(set(words)) > 1]
+    return np.array([float(words[differ[0]]) for words in parts]) if len(differ) == 1 and differ[0] % 2 else None
 
 
 def _uv_and_faces(mesh: MeshSequence) -> bytes:

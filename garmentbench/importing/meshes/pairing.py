@@ -98,7 +98,12 @@ def _comparable(
 ) -> tuple[tuple[np.ndarray, np.ndarray], tuple[str, ...]]:
     """Times of both in one unit, and notes. Frames are counted from 0 by some formats, and from 1 by others."""
     if garment.counted == body.counted:
-        return (garment.required_times, body.required_times), ()
+        ours, theirs = garment.required_times, body.required_times
+        step = 1.0 if garment.counted else 1 / (garment.fps or np.inf)
+        if _formats(garment) != _formats(body) and _one_apart(ours, theirs, step):
+            note = f"frames: {' and '.join(sorted(_formats(garment) | _formats(body)))} count from 0 or 1"
+            return (ours - ours[0], theirs - theirs[0]), (f"{note}; taken to begin together",)
+        return (ours, theirs), ()
     timed, counted = (body, garment) if garment.counted else (garment, body)
     rate = fps or timed.fps
     if not rate:
@@ -110,6 +115,19 @@ def _comparable(
     else:
         note = (f"frames: the numbers of {counted.where} are taken as times at {rate:g} a second, from 0 on",)
     return ((seconds, body.required_times) if garment.counted else (garment.required_times, seconds)), note
+
+
+def _formats(mesh: MeshSequence) -> set[str]:
+    """The ending of the file that says when its frames are."""
+    return {file.suffix.lower() for file in mesh.files[:1]}
+
+
+def _one_apart(ours: np.ndarray, theirs: np.ndarray, step: float) -> bool:
+    """Do as many frames at the same step begin one frame apart?"""
+    if len(ours) != len(theirs) or not np.isfinite(step) or step <= 0:
+        return False
+    shift = theirs - ours
+    return bool(np.ptp(shift) < _SAME * step and abs(abs(shift[0]) / step - 1) < _SAME)
 
 
 def _only(mesh: MeshSequence, kept: np.ndarray, rate: float | None) -> MeshSequence:

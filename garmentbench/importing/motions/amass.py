@@ -98,7 +98,12 @@ def amass_motion(
             f"{path}: its array '{lacks}' is missing (found: {', '.join(sorted(arrays)) or 'none of these'}); {_ADVICE}"
         )
     for key in (*parts, way):
-        if key not in arrays or arrays[key].ndim not in (2, 3) or arrays[key].dtype.kind not in "fi":
+        if (
+            key not in arrays
+            or arrays[key].ndim not in (2, 3)
+            or (arrays[key].ndim == 3 and arrays[key].shape[2] != 3)
+            or arrays[key].dtype.kind not in "fi"
+        ):
             raise UserError(f"{path}: its array '{key}' is missing or wrong; {_ADVICE}")
         if not np.isfinite(arrays[key]).all():
             raise UserError(f"{path}: its array '{key}' is not finite; cut the recording before that frame")

@@ -15,6 +15,8 @@ from garmentbench.importing.meshes.mesh_sequence import MeshSequence
 from garmentbench.importing.meshes.obj import write_series, write_template
 from garmentbench.importing.meshes.point_caches import write_mdd, write_pc2
 from garmentbench.importing.sequences import Wanted, import_meshes
+from garmentbench.scenes.bodies import load_body
+from garmentbench.scenes.garments import load_garment
 
 CLOTH, BODY = MESHES["garment"], MESHES["body"]
 FLIP = np.float32([-1, 1, 1])
@@ -133,6 +135,19 @@ def test_a_garment_beside_its_body_gets_no_reassuring_number(home, capsys):
     code, out, _ = typed(capsys, "card", "x.h5")
     assert "- warning: frame 0: no part of 'body'" in out
     assert "| strict, by signed distance [%] | not measured |" in out
+
+
+@pytest.mark.parametrize(("factor", "said"), [(2.54, "cm taken for in"), (100 / 30.48, "ft taken for m")])
+def test_a_garment_of_another_unit_than_its_body_is_told(home, capsys, factor, said):
+    """Of a body of no stated unit nothing can be told; none of the garment is inside it."""
+    shirt, base = load_garment("tshirt", "smoke"), load_body("base", "small").body
+    uv = shirt.uv[shirt.faces]
+    cloth = MeshSequence("shirt", (factor * shirt.rest)[None].astype(np.float32), shirt.faces, uv, fps=25.0, up="z")
+    write_npz(home / "cloth.npz", replace(cloth, unit=1.0))
+    write_npz(home / "body.npz", MeshSequence("body", base.rest[None], base.faces, fps=25.0, up="z", unit=1.0))
+    code, out, _ = typed(capsys, "import", "cloth.npz", "--body", "body.npz", "--out", "x.h5")
+    assert code == 0 and f"worn at {1 / factor:.3g} times its size: {said}?" in out and "interpenetration" not in out
+    assert typed(capsys, "check", "x.h5")[0] == 1
 
 
 def test_a_garment_that_slips_off_later_is_told(home, capsys):

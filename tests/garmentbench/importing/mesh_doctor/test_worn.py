@@ -10,7 +10,8 @@ from faulty_meshes import tube
 
 from garmentbench.cli import main
 from garmentbench.importing.mesh_doctor.files import mesh_of, read_mesh, read_wearer, write_mesh
-from garmentbench.importing.mesh_doctor.worn import Change, is_worn, proposal
+from garmentbench.importing.mesh_doctor.worn import Change, is_worn, other_unit, proposal
+from garmentbench.importing.meshes.conventions import UNITS
 from garmentbench.scenes.garments import garment_names, load_garment
 
 BODY = read_wearer("base")
@@ -79,6 +80,23 @@ def test_inches_are_asked_for_and_taken(typed, tmp_path):
     assert "scaled from in to m, by 0.0254" in out
     np.testing.assert_allclose(read_mesh(tmp_path / "b.npz").size, WORN.size, rtol=1e-3)
     assert typed("inches.obj")[0] == 1
+
+
+@pytest.mark.parametrize("name", ["tshirt", "dress", "bodysuit"])
+@pytest.mark.parametrize("units", ["ft", "cm", "in"])
+def test_a_garment_far_too_large_is_not_worn_and_its_unit_is_named(typed, tmp_path, name, units):
+    """The body goes through its openings all the same, and none of it is inside: said to be good before."""
+    garment = mesh_of(load_garment(name, "smoke"))
+    write_mesh(tmp_path / "a.npz", garment.scaled(1 / UNITS[units]))
+    code, out, _ = typed("a.npz", "--body", "base")
+    assert code == 1 and "good" not in out
+    if units == "ft":  # 3.3 times too large in metres, which is a size that garments have
+        assert "error: body: not worn by 'base'" in out and "in ft it would be worn: --fix OUT --units ft" in out
+        code, out, _ = typed("a.npz", "--body", "base", "--fix", "b.npz", "--units", "ft")
+        assert code == 0 and "scaled from ft to m" in out
+    large = replace(garment, vertices=2.54 * garment.vertices)
+    assert not is_worn(large, BODY) and other_unit(large, BODY) == pytest.approx(1 / 2.54)
+    assert other_unit(garment.scaled(100), BODY) == pytest.approx(0.01)
 
 
 @pytest.mark.parametrize(

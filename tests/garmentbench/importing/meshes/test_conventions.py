@@ -95,6 +95,16 @@ def test_rates():
         settle(box([40, 40, 178], fps=30.0), box([50, 60, 30], fps=24.0), Given())
 
 
+def test_times_that_are_numbers_of_frames_are_asked_about():
+    """MDD of programs that write frames for seconds: one frame a second."""
+    body = box([40, 40, 178], fps=1.0)
+    with pytest.raises(
+        UserError, match=r"fps: the files say 1 frames a second: are their times numbers of frames\? Give"
+    ):
+        settle(body, box([50, 60, 30], fps=1.0), Given())
+    assert settle(body, box([50, 60, 30], fps=1.0), Given(fps=24.0)).fps == 24.0
+
+
 @pytest.mark.parametrize(
     ("given", "says"),
     [({"units": "km"}, "--units is 'km'"), ({"up": "w"}, "--up is 'w'"), ({"fps": 0.0}, "--fps is 0")],

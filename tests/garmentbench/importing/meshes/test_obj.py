@@ -183,6 +183,17 @@ def test_the_same_faces_written_otherwise_are_the_same(tmp_path):
     assert read_series(files).frames.shape == (2, 4, 3)
 
 
+@pytest.mark.parametrize("form", ["shirt.{:04d}", "{:04d}_shirt", "take2_{}_lod1", "shirt_{:d}", "2024-11-{:02d}"])
+def test_numbers_anywhere_in_the_names(tmp_path, form):
+    for number in (5, 7, 9, 11):
+        text(tmp_path, QUAD.replace("0 1 0", f"0 1 {number}") + "f 1 2 3 4\n", form.format(number) + ".obj")
+    read = read_series(series(str(tmp_path)))
+    assert read.times.tolist() == [5, 7, 9, 11] and read.frames[:, 3, 2].tolist() == [5, 7, 9, 11]
+    text(tmp_path, QUAD + "f 1 2 3 4\n", form.format(12) + ".obj")
+    with pytest.raises(UserError, match="a frame is missing or too many"):
+        series(str(tmp_path))
+
+
 def test_a_folder_of_two_series_asks_for_a_pattern(tmp_path):
     for name in ("body_1.obj", "body_2.obj", "shirt_1.obj", "shirt_2.obj"):
         text(tmp_path, QUAD + "f 1 2 3\n", name)

@@ -177,6 +177,19 @@ def test_numbers_beside_times_may_count_from_one(tmp_path, capsys):
     assert code == 0 and "taken as times at 25 a second" in out and together(tmp_path / "again" / "x.h5") == 4
 
 
+@pytest.mark.parametrize(("write", "write_body", "more"), [(pc2, obj, ("--fps", "25")), (mdd, usd, ()), (mdd, npz, ())])
+def test_formats_that_count_from_one_and_from_zero_begin_together(tmp_path, capsys, write, write_body, more):
+    """As many frames, one apart: PC2's 0 is OBJ's 1, and MDD's 0 s USD's time code 1. In one format it is meant."""
+    first = {usd: 0.0, obj: -99.0, npz: 1.0}[write_body]  # these write time code 1 and file 100 for frame 0
+    call = (tmp_path, capsys, write, (0.0, 1.0), (first, 1.0), *more)
+    code, out, err = run(*call, write_body=write_body)
+    assert code == 0 and err == [] and "count from 0 or 1; taken to begin together" in out
+    assert len(imported(tmp_path / "x.h5")) == T
+    (tmp_path / "again").mkdir()
+    code, out, _ = run(tmp_path / "again", capsys, mdd, (0.0, 1.0), (1.0, 1.0))
+    assert code == 0 and "frames: 7 that both have" in out and together(tmp_path / "again" / "x.h5") == 7
+
+
 def test_a_body_that_stands_still_has_no_time():
     still = replace(MESHES["body"], frames=MESHES["body"].frames[:1], times=np.array([100.0]))
     cloth = replace(moving("garment"), times=np.arange(T) / 25)

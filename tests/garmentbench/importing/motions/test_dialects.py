@@ -244,6 +244,28 @@ def test_names_with_prefixes_and_sides_of_any_kind(table, sided, start):
     assert found.joints == {role: name for role, name in expected.items() if role in ROLES}
 
 
+@pytest.mark.parametrize(
+    ("table", "sided", "start"),
+    [(CHARACTER, "{side}_{bone}", "CC_Base_"), (BIPED, "{side} {bone}", "Bip01 "),
+     (MIXAMO, "{word}{bone}", "Character1_"), (MIXAMO, "{word}{bone}", "mixamorig:"),
+     (UNITY, "{side}_{bone}", ""), (UNITY, "{bone}_{side}", ""),
+     (BLENDER, "{bone}.{side}", ""), (BLENDER, "{bone} {side}", "")],
+)  # fmt: skip
+def test_a_clip_of_other_names_is_the_same_clip(tmp_path, table, sided, start):
+    """With end sites in capitals and a byte order mark, too."""
+    plain, other = walk(), walk()
+    words = {"L": "Left", "R": "Right"}
+    for j, name in enumerate(BASE.joint_names):
+        bone, _, side = name.partition(".")
+        named = table.get(bone, bone)
+        other.names[j] = start + (sided.format(side=side, word=words[side], bone=named) if side else named)
+    one = imported(written(tmp_path, plain.text())).clip
+    two = imported(written(tmp_path, "\ufeff" + other.text().replace("End Site", "END SITE"), "other.bvh")).clip
+    for a, b in ((one.rotations, two.rotations), (one.root, two.root)):
+        np.testing.assert_allclose(a, b, atol=1e-6)
+    np.testing.assert_array_equal(one.standing, two.standing)
+
+
 def test_a_hint_is_a_name_that_may_be_meant():
     names = (
         [n for n in bvh_example.t_pose().names if n != "LeftArm"]
@@ -284,6 +306,11 @@ def test_amass_by_other_names_is_the_same(tmp_path):
         np.testing.assert_allclose(clip.rotations, clips["amass"].rotations, atol=1e-9)
     with pytest.raises(UserError, match="frame rate is missing.*--recording-fps"):
         imported(tmp_path / "aist.npz")
+    np.savez(tmp_path / "matrices.npz", poses=np.tile(np.eye(3), (12, 24, 1, 1)), trans=path, mocap_framerate=30.0)
+    np.savez(tmp_path / "quaternions.npz", poses=np.tile([1.0, 0, 0, 0], (12, 24, 1)), trans=path, mocap_framerate=30.0)
+    for name in ("matrices", "quaternions"):
+        with pytest.raises(UserError, match="its array 'poses' is missing or wrong; wanted poses .T, 66 or more."):
+            imported(tmp_path / f"{name}.npz")
     np.savez(tmp_path / "none.npz", labels=np.zeros(3))
     with pytest.raises(UserError, match="'poses' is missing .*wanted poses"):
         imported(tmp_path / "none.npz")
