@@ -60,6 +60,13 @@ def test_a_table_without_chance_says_so_rather_than_one_seed(table):
     assert "none of the methods has chance in its training" in made.caption and "; one seed." not in made.caption
 
 
+def test_a_table_on_a_validation_scene_says_that_it_is_no_test(table):
+    """Settings are chosen on it; it is never reported as a test."""
+    rows = [*line("skinning", 3.8), *line("hold", 1.0)]
+    assert "validation" not in table(rows).title
+    assert table([row | {"split": "validation"} for row in rows]).title.endswith("(validation, no test)")
+
+
 def test_noted_values_are_told_on_the_console():
     """`evaluate` said so, `evals` did not."""
     rows = [
