@@ -108,8 +108,8 @@ def close_over_eye(skin: np.ndarray, faces: np.ndarray, eyeball: np.ndarray) -> 
     drawn = np.zeros((len(skin), 2))  # stereographic, seen from the eye's back
     drawn[rim] = outward @ across / (1 + outward @ axis)[:, None]
     even = sp.diags(np.asarray(joined.sum(axis=1)).ravel()) - joined
-    drawn[socket] = spsolve(even[socket][:, socket].tocsc(), joined[socket][:, rim] @ drawn[rim])
-    drawn[socket] = _apart(drawn[socket], drawn[rim])
+    evenly = spsolve(even[socket][:, socket].tocsc(), joined[socket][:, rim] @ drawn[rim])
+    drawn[socket] = _apart(np.asarray(evenly), drawn[rim])
     square = np.sum(drawn[socket] ** 2, axis=1, keepdims=True)
     closed = skin.copy()
     closed[socket] = centre + radius * (2 * drawn[socket] @ across.T + (1 - square) * axis) / (1 + square)
@@ -122,7 +122,7 @@ def _apart(points: np.ndarray, rim: np.ndarray) -> np.ndarray:
     angle, reach = np.arctan2(*(rim - middle).T), np.linalg.norm(rim - middle, axis=1)
     way = points - middle
     edge = np.interp(np.arctan2(*way.T), np.sort(angle), reach[np.argsort(angle)], period=2 * np.pi)
-    share = np.linalg.norm(way, axis=1) / edge
+    share = np.maximum(np.linalg.norm(way, axis=1) / edge, 1e-9)
     return middle + way * (share ** (_SPREAD - 1))[:, None]
 
 
