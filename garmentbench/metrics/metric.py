@@ -75,6 +75,8 @@ class Metric:
         best: "low", "high", or "one" (the nearer to 1 the better).
         whole: It needs the shape of the whole roll-out: NaN where that ended early. The reference has a value of its
             own.
+        compares: It compares with the reference's first run, and another run of the simulator in the prediction's place
+            is shown beside it.
     """
 
     name: str
@@ -84,6 +86,7 @@ class Metric:
     applies: Callable[[Motion], bool] = lambda motion: True
     best: str = "low"
     whole: bool = True
+    compares: bool = False
 
 
 def has_inside(motion: Motion) -> bool:

@@ -60,6 +60,8 @@ def test_an_own_method_gets_into_a_table_by_a_declaration(folder, capsys):
     report = folder.parent / "home" / "reports" / "ponds-smoke"
     rows = pandas.read_csv(report / "results.csv")
     compared = rows[rows.experiment == "ponds"]
+    another, compared = compared[compared.method == "another_run"], compared[compared.method != "another_run"]
+    assert {"error", "rollout_l2", "push_growth"} <= set(another.metric)
     assert set(compared.method) == {"skinning", "still_water"} and set(compared.status) == {"ok"}
     assert set(compared.train_scenes) == {"sheet-stick-a"}
     table = (report / "tables" / "ponds-sheet-stick-b.md").read_text()

@@ -104,19 +104,20 @@ def test_the_class_is_called_by_its_name_in_runs_and_tables(files, capsys):
 
 
 def test_what_must_be_known_of_a_number_stands_beside_it(files, capsys):
-    """The reference's own value and uncertainty (N2), a method that reads the reference (N7), a time under load
+    """The reference's own value and spread (N2), a method that reads the reference (N7), a time under load
     (N12)."""
     test = sequence_file.load(files / "test.h5")
-    info = test.info | {"ensemble": {"spread_cm": 0.25}}
-    sequence_file.save(replace(test, info=info), files / "test.h5")
+    another = test.garment[None] + np.float32([0.0025, 0, 0])
+    sequence_file.save(replace(test, runs=another), files / "test.h5")
     scenes = ("--train-scene", "one.h5", "--scene", "test.h5")
     _, out, _ = typed(capsys, "evaluate", "foreign_methods:KnowsTheAnswer", *scenes, *SMALL)
     rows = {line.split()[0]: line.split() for line in out.splitlines()}
-    assert "uncertainty" in rows["metric"] and rows["rollout_l2"][2:4] == ["0", "0.25"]
+    assert "spread" in rows["metric"] and rows["rollout_l2"][2:4] == ["0", "0.25"]
     assert float(rows["strain_p95"][-2]) > 0 and rows["liveliness"][-2] == "1"
-    assert "warning: rollout_l2: below the reference's uncertainty: the reference itself" in out
+    assert rows["error"][2:4] == ["0.125", "0.25"] and rows["error_over_spread"][2] == "0.5"
+    assert "warning: " in out and "exactly the reference: no prediction hits" in out, out
     _, out, _ = typed(capsys, "evaluate", "foreign_methods:Waits", *scenes, *SMALL)
-    assert "below the reference's uncertainty" not in out
+    assert "exactly the reference" not in out
     assert "warning: ms_per_frame, ms_per_frame_p95" in out and "timed under load: wall time is far above" in out
     run = RunStore().list({"kind": "evaluate", "class": "foreign_methods:Waits"})[0]
     out = typed(capsys, "runs", "--compare", run.id, run.id)[1]
