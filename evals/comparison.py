@@ -141,6 +141,7 @@ class Comparison(Experiment):
 
     def work(self, preset: Preset, seeds: int) -> Work:
         trials = self.trials(preset, seeds)
+        tests = {trial.test.name: trial.test for trial in trials}.values()
         scenes = [scene for trial in trials for scene in (*trial.train, trial.test)]
         jobs = {job.key: job for scene in scenes for job in [sequence_job(scene, preset)]}
         jobs |= {job.key: job for trial in trials for job in _jobs(trial, trials, preset)}

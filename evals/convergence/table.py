@@ -66,8 +66,8 @@ class SceneStudy:
 
     @property
     def noise(self) -> float:
-        """The largest of what a finer step, more queries and a start pushed by 1 mm change over the study's frames [cm];
-        NaN if one isn't known."""
+        """The largest of what a finer step, more queries and a start pushed by 1 mm change over the study's frames
+        [cm]; NaN if one isn't known."""
         all_of_them = self.mean(CHOSEN), self.mean("queries_x8"), self.mean("start_1mm")
         return math.nan if any(map(math.isnan, all_of_them)) else max(all_of_them)
 
