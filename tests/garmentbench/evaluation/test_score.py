@@ -15,7 +15,7 @@ from garmentbench.metrics import METRICS, metric
 from garmentbench.reference import reference_scores
 
 ENSEMBLE = {"error", "error_over_spread", "energy_score"}
-BODY_METRICS = {"interpenetration", "interpenetration_strict", "depth_p95"}
+BODY_METRICS = {"interpenetration", "interpenetration_strict", "depth_p95", "faces_inside", "skin_frames"}
 TIMES = {"ms_per_frame", "ms_per_frame_p95", "ms_prepare", "ms_predict", "ms_collide"}
 OTHERS = {
     "rollout_l2",
@@ -25,6 +25,9 @@ OTHERS = {
     "jitter",
     "liveliness",
     "stable_frames",
+    "dihedral_rms",
+    "normal_angle",
+    "displacement_spectrum",
 } | TIMES
 
 
