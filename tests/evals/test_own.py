@@ -104,6 +104,18 @@ def test_several_scenes_and_finished_files_serve_too(folder):
     assert ("sequence", "sheet-stick-b") in work.jobs and ("sequence", "own") in work.jobs
 
 
+def test_a_training_set_may_be_named(folder):
+    """Its scenes are trained on together; rows call it by its name and count the frames of all of them."""
+    toml = TOML.replace('"sheet-stick-a"]', '"dress@walk-dance"]').replace('["sheet-stick-b"]', '["dress-armspace-90"]')
+    (folder / "ponds.toml").write_text(toml)
+    (experiment,) = read_experiments(folder / "ponds.toml")
+    work = experiment.work(preset("laptop"), 1)
+    simulated = {key[1] for key in work.jobs if key[0] == "sequence"}
+    assert simulated == {"dress-armspace-75", "dress-dance-latin", "dress-armspace-90"}
+    rows = work.rows({key: Failure("not", "run") for key in work.jobs})
+    assert {(row.train_scenes, row.train_frames) for row in rows} == {("dress@walk-dance", 1290)}
+
+
 @pytest.mark.parametrize(
     ("name", "text", "complaint"),
     [

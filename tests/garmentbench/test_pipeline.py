@@ -14,7 +14,7 @@ from garmentbench.cli import main
 from garmentbench.errors import UsageError
 from garmentbench.evaluation.toy import tiny_sequence
 from garmentbench.methods import load_method
-from garmentbench.pipeline import choose_method, default_training_scene
+from garmentbench.pipeline import choose_method, default_training_scene, train
 from garmentbench.reference import resolve_source
 from garmentbench.scenes.presets import preset
 from garmentbench.scenes.wardrobe import load_scene
@@ -53,6 +53,24 @@ def test_several_training_scenes_are_typed_one_by_one(files, capsys):
     assert typed(capsys, "train", "linear_subspace", "--scene", "one.h5", "--scene", "two.h5", *SMALL)[0] == 0
     assert len(store.list({"kind": "train"})) == 1  # the same training
     assert "one+two" in typed(capsys, "runs")[1]
+
+
+def test_of_scenes_in_a_training_set_as_many_frames_are_taken_as_it_says(files, monkeypatch):
+    """... and of others as many as are asked for."""
+    seen = []
+    choice, size = choose_method("hold", "full", preset("smoke")), preset("smoke")
+    monkeypatch.setattr(choice.method, "fit", classmethod(lambda cls, train, c, r: seen.extend(train) or cls(c)))
+    sources = [resolve_source("one.h5"), resolve_source("two.h5")]
+    run = train(choice, sources, size, 12, 0, RunStore(), {"two": 15})
+    assert [len(sequence) for sequence in seen] == [12, 15] and run.identity["train_frames"] == [12, 15]
+    assert train(choice, sources, size, 12, 0, RunStore(), {"two": 12}).identity["train_frames"] == 12
+
+
+@pytest.mark.parametrize("option", ["--scene", "--train-scene"])
+def test_a_training_set_that_does_not_exist_is_told(files, capsys, option):
+    command = ("train", "hold") if option == "--scene" else ("evaluate", "hold")
+    code, out, lines = typed(capsys, *command, option, "dress@vried", *SMALL)
+    assert code == 2 and out == "" and len(lines) == 1 and "did you mean 'varied'" in lines[0]
 
 
 def test_training_scenes_of_different_garments_are_refused_by_name(files, capsys):
@@ -179,8 +197,8 @@ def test_a_step_that_returns_no_state_is_told_so(files, capsys):
 def test_a_test_on_a_training_scene_is_noted(files, capsys, method, noted):
     """By name or by content; a method that learns nothing is exempt."""
     shutil.copy(files / "one.h5", files / "same.h5")
-    for train in ("one.h5", "same.h5"):
-        scenes = ("--train-scene", train, "--train-scene", "two.h5", "--scene", "one.h5")
+    for learnt in ("one.h5", "same.h5"):
+        scenes = ("--train-scene", learnt, "--train-scene", "two.h5", "--scene", "one.h5")
         code, out, _ = typed(capsys, "evaluate", method, *scenes, *SMALL)
         assert code == 0 and ("trained on this scene: a training error" in out) == noted
     out = typed(capsys, "evaluate", method, "--train-scene", "two.h5", "--scene", "test.h5", *SMALL)[1]

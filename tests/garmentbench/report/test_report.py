@@ -15,6 +15,8 @@ from garmentbench import report
 from garmentbench.errors import UserError
 from garmentbench.evals import EXPERIMENTS
 from garmentbench.evals.report import make_report
+from garmentbench.report.runs import command
+from garmentbench.scenes.training_sets import training_set
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -217,6 +219,16 @@ def test_the_runs_behind_it_go_with_it(folder):
     assert 'href="runs.json"' in page and "plots/baselines-tshirt-armspace-90-loss.svg" in page
     named = set(pandas.read_csv(folder / "results.csv").run_id.dropna()) & set(record["runs"])
     assert all(name in page for name in named) and len(named) > 10
+
+
+def test_the_command_of_a_run_names_its_training_set():
+    """... in place of its scenes, and leaves to it how many frames are taken."""
+    trained = list(training_set("dress@walk-dance"))
+    identity = {"method": "hold", "class": "a:B", "train_scenes": trained, "scene": "x", "preset": "smoke"}
+    record = {"kind": "evaluate", "identity": identity | {"train_frames": [300, 990]}}
+    assert "--train-scene dress@walk-dance --scene x --preset smoke" in command(record)
+    record["identity"] |= {"train_scenes": trained[:1], "train_frames": 150}
+    assert "--train-scene dress-armspace-75 --scene x --frames 150" in command(record)
 
 
 def test_report_names_no_experiment():
