@@ -75,6 +75,6 @@ def test_the_wardrobe_in_the_document_is_one(tmp_path):
     (tmp_path / "wardrobe.toml").write_text(entry)
     skirt = read_wardrobe(tmp_path / "wardrobe.toml").garments["skirt"]
     assert skirt.material == Material(bending=1e-3, density=0.3)
-    assert skirt.simulation == Settings(self_contact=True, queries=6)
+    assert skirt.simulation == Settings(queries=6)
     assert skirt.mesh is not None and skirt.mesh.pins == "waistband"
     assert all(f"`{name}`" in TEXT for name in vars(Material()))

@@ -9,7 +9,6 @@ from garmentbench.report.card import COST, FACTS, NEEDS_INSIDE, SECTIONS, SPREAD
 
 LIMITS = (  # what makes a flaw: a fact, the most it may be, and how it is said
     ("interpenetration_strict", 0.1, "{0:.2g} % of the garment's vertices lie inside the body, more than {1:g} %."),
-    ("skin_frames", 2.0, "In {0:.0f} % of the frames skin is more than 0.5 mm through, more than {1:g} %."),
     ("spread", 1.0, "Two runs of it are {0:.2g} cm apart, more than {1:g} cm."),
     ("runs_broken", 0.0, "{0:.0f} of its further runs broke."),
     (
@@ -64,9 +63,7 @@ def flaws(card: Card) -> list[str]:
     found += filter(None, (flaw(name, n.get(name)) for name, *_ in LIMITS))
     if n.get("self_contact") == 0:
         found.append("The cloth does not touch itself: self-contact is off.")
-    if card.status:
-        found.append("Contact with the body is felt at vertices only: faces between them may cut into it.")
-    else:
+    if not card.status:
         found.append("How it was made is not known.")
     unmeasured = [
         what

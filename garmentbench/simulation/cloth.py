@@ -9,10 +9,10 @@ from jaxtyping import Float
 from garmentbench.scenes.material import Material, Settings
 from garmentbench.simulation.assembly import Fabric
 from garmentbench.simulation.collider import Collider
+from garmentbench.simulation.contacts.contact_set import ContactSet
 from garmentbench.simulation.damping import BendDamping
-from garmentbench.simulation.integrate import advance_serial, area_pass, force_pass, particle_pass
+from garmentbench.simulation.integrate import accelerate_pass, advance_serial, area_pass, force_pass, move_pass
 from garmentbench.simulation.kernels import Cloth, Contact, Physics
-from garmentbench.simulation.self_contact import SelfContact
 from garmentbench.simulation.time_step import damping_stages, stretch_damping
 
 
@@ -26,7 +26,7 @@ class Solver:
         substeps: A frame, a multiple of `settings.queries`.
         frame_time: Of one frame [s].
         device: Warp device.
-        serial: One launch of one thread for all substeps between two queries, or two passes of parallel threads a
+        serial: One launch of one thread for all substeps between two queries, or passes of parallel threads in each
             substep. The result is the same. None: serial on a CPU (no launch storm), parallel on CUDA.
     """
 
@@ -49,7 +49,7 @@ class Solver:
         self.queries, self.frame_time = settings.queries, frame_time
         self.steps = substeps // settings.queries
         self.cloth = _cloth(fabric, start, device)
-        self.contact, self.own_contact = _contact(start, device), _contact(start, device)
+        self.contact = _contact(start, device)
         stretch, bend = fabric.squared_frequencies
         self.physics = _physics(material, settings, frame_time / substeps, stretch_damping(material, stretch))
         interval = frame_time / settings.queries
@@ -60,9 +60,7 @@ class Solver:
                 self.cloth, self.physics, material.bend_damping, interval, lag, stages, device, self.serial
             )
         self.collider = None if touched is None else Collider(*touched, self.cloth, device)
-        self.self_contact = None
-        if settings.self_contact:
-            self.self_contact = SelfContact(fabric, self.cloth, self.own_contact, self.physics, device)
+        self.shared = ContactSet(fabric, self.cloth, self.contact, self.collider, self.physics, settings, device)
         self._graph = None
 
     @property
@@ -101,8 +99,7 @@ class Solver:
             if self.collider is not None:
                 self.collider.move_to(q / self.queries, (q + 1) / self.queries, interval)
                 self.collider.touch(self.contact, interval)
-            if self.self_contact is not None:
-                self.self_contact.find()
+            self.shared.update(q, self.frame_time)
             self._launch(area_pass, len(self.cloth.x), [self.cloth])
             if self.damping is not None:
                 self.damping.apply()
@@ -110,17 +107,16 @@ class Solver:
 
     def _integrate(self) -> None:
         """All substeps up to the next query."""
-        contacts = [self.contact, self.own_contact]
+        cloth, contact, physics, particles = self.cloth, self.contact, self.physics, len(self.cloth.x)
         if self.serial:
-            self._launch(advance_serial, 1, [self.cloth, *contacts, self.physics, self.steps])
+            inputs = [cloth, contact, self.shared.contacts.constraints, physics, self.steps]
+            self._launch(advance_serial, 1, inputs)
         else:
             for s in range(self.steps):
-                self._launch(
-                    force_pass,
-                    max(len(self.cloth.ends), len(self.cloth.crease), len(self.cloth.x)),
-                    [self.cloth, self.physics],
-                )
-                self._launch(particle_pass, len(self.cloth.x), [self.cloth, *contacts, self.physics, s])
+                self._launch(force_pass, max(len(cloth.ends), len(cloth.crease), particles), [cloth, physics])
+                self._launch(accelerate_pass, particles, [cloth, contact, physics])
+                self.shared.contacts.resolve(cloth, physics, s)
+                self._launch(move_pass, particles, [cloth, contact, physics, s])
 
     def _launch(self, kernel: wp.Kernel, dim: int, inputs: list) -> None:
         wp.launch(kernel, dim=dim, inputs=inputs, device=self.device)

@@ -37,7 +37,7 @@ class Collider:
         self.faces, everything = self._mesh(np.concatenate(surfaces))
         wp.launch(attach, dim=particles, inputs=[everything.id, s, self.faces, cloth], device=device)
         self.meshes = [self._mesh(faces)[1] for faces in surfaces]
-        self.near = [wp.full(particles, -1, dtype=int, device=device) for _ in surfaces]
+        self.near = self.nothing_near(particles)
 
     def _mesh(self, faces: np.ndarray) -> tuple[wp.array, wp.Mesh]:
         """The indices and the mesh of some of the faces, over all points."""
@@ -70,5 +70,14 @@ class Collider:
         """
         particles = len(self.cloth.x)
         wp.launch(hold, particles, [self.surface, self.faces, self.cloth, contact, interval], device=self.device)
-        for mesh, near in zip(reversed(self.meshes), reversed(self.near), strict=True):
-            wp.launch(find_contacts, particles, [mesh.id, self.surface, near, self.cloth, contact], device=self.device)
+        self.find(self.cloth.x, self.cloth.pinned, self.near, contact)
+
+    def nothing_near(self, points: int) -> list[wp.array]:
+        """The nearest face of each surface to each point, before any is known."""
+        return [wp.full(points, -1, dtype=int, device=self.device) for _ in self.meshes]
+
+    def find(self, points: wp.array, skip: wp.array, near: list[wp.array], contact: Contact) -> None:
+        """Find where each point touches that is not skipped; `near` is kept for the next time."""
+        for mesh, face in zip(reversed(self.meshes), reversed(near), strict=True):
+            inputs = [mesh.id, self.surface, face, points, skip, contact]
+            wp.launch(find_contacts, len(points), inputs, device=self.device)

@@ -100,15 +100,17 @@ def hold(s: Surface, faces: wp.array[int], c: Cloth, h: Contact, interval: float
 
 
 @wp.kernel(enable_backward=False)
-def find_contacts(mesh: wp.uint64, s: Surface, near: wp.array[int], c: Cloth, h: Contact):
-    """Tangent plane, its motion and the air round each particle: dim = P.
+def find_contacts(
+    mesh: wp.uint64, s: Surface, near: wp.array[int], points: wp.array[wp.vec3], skip: wp.array[int], h: Contact
+):
+    """Tangent plane, its motion and the air round each of N points that is not skipped: dim = N.
 
     Of several surfaces, the one that it is deepest in or else nearest to. near: the nearest face
     at the last query, or -1.
     """
     i = wp.tid()
-    if c.pinned[i] == 0:
-        x = c.x[i]
+    if skip[i] == 0:
+        x = points[i]
         reach = float(FAR)
         if h.distance[i] > 0.0:
             reach = wp.min(h.distance[i], FAR)  # outside of another surface, what is farther does not count

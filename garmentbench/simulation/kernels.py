@@ -43,7 +43,7 @@ class Cloth:
 
 @wp.struct
 class Contact:
-    """A tangent plane of the body (or of the cloth itself) for each particle.
+    """A tangent plane of the body for each particle, or another point of the cloth.
 
     It is held until the next query and moves with the touched point.
     """
@@ -142,16 +142,22 @@ def collide(v: wp.vec3, x: wp.vec3, point: wp.vec3, velocity: wp.vec3, n: wp.vec
 
 
 @wp.func
-def move_particle(c: Cloth, h: Contact, o: Contact, p: Physics, i: int, since: float):
-    """One substep of particle i, `since` seconds after the query; h: the body's contact, o: the cloth's own."""
-    if c.pinned[i] == 1:
-        c.v[i] = h.velocity[i]
-        c.x[i] = h.point[i] + (since + p.dt) * h.velocity[i]
-    else:
+def accelerate(c: Cloth, h: Contact, p: Physics, i: int):
+    """Forces and air: the velocity of particle i after a substep that meets nothing, or of what holds it."""
+    v = h.velocity[i]
+    if c.pinned[i] == 0:
         v = c.v[i] + p.dt * (c.inverse_mass[i] * total_force(c, i) - wp.vec3(0.0, 0.0, p.gravity))
         v = in_air(v, h.air[i], c.area[i], c.inverse_mass[i], p)
-        if o.active[i] == 1:
-            v = collide(v, c.x[i], o.point[i] + since * o.velocity[i], o.velocity[i], o.normal[i], p)
+    c.v[i] = v
+
+
+@wp.func
+def move_particle(c: Cloth, h: Contact, p: Physics, i: int, since: float):
+    """Contact of particle i with the body, and its move, `since` seconds after the query."""
+    if c.pinned[i] == 1:
+        c.x[i] = h.point[i] + (since + p.dt) * h.velocity[i]
+    else:
+        v = c.v[i]
         if h.active[i] == 1:
             v = collide(v, c.x[i], h.point[i] + since * h.velocity[i], h.velocity[i], h.normal[i], p)
         c.v[i] = v

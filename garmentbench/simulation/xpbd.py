@@ -10,6 +10,7 @@ import warp as wp
 
 from garmentbench.simulation.assembly import Fabric
 from garmentbench.simulation.cloth import Solver, device_array
+from garmentbench.simulation.contacts.constraints import Constraints, apart, blend, meets, mobility
 from garmentbench.simulation.hinge import bent, hinge_angle, hinge_gradient
 from garmentbench.simulation.kernels import Cloth, Contact, Physics, in_air
 
@@ -45,8 +46,8 @@ def project_edge(c: Cloth, p: Physics, e: int):
     k = c.stiffness[e]
     if length < c.length[e]:
         k = k * p.compression
-    wa = c.inverse_mass[a] * float(1 - c.pinned[a])
-    wb = c.inverse_mass[b] * float(1 - c.pinned[b])
+    wa = mobility(c, a)
+    wb = mobility(c, b)
     push = (length - c.length[e]) / (wa + wb + 1.0 / (k * p.dt * p.dt)) * d / wp.max(length, 1.0e-9)
     c.x[a] = c.x[a] + wa * push
     c.x[b] = c.x[b] - wb * push
@@ -60,16 +61,10 @@ def project_bend(c: Cloth, b: Bends, p: Physics, s: int):
     for k in range(4):
         i = b.stencil[s][k]
         off += b.coefficient[s][k] * c.x[i]
-        weight += b.coefficient[s][k] * b.coefficient[s][k] * c.inverse_mass[i] * float(1 - c.pinned[i])
+        weight += b.coefficient[s][k] * b.coefficient[s][k] * mobility(c, i)
     for k in range(4):
         i = b.stencil[s][k]
-        c.x[i] = c.x[i] - c.inverse_mass[i] * float(1 - c.pinned[i]) * b.coefficient[s][k] / weight * off
-
-
-@wp.func
-def weight_of(c: Cloth, i: int) -> float:
-    """Inverse mass, none where pinned."""
-    return c.inverse_mass[i] * float(1 - c.pinned[i])
+        c.x[i] = c.x[i] - mobility(c, i) * b.coefficient[s][k] / weight * off
 
 
 @wp.func
@@ -78,7 +73,7 @@ def project_crease(c: Cloth, p: Physics, k: int):
     q = c.crease[k]
     x0, x1, x2, x3 = c.x[q[0]], c.x[q[1]], c.x[q[2]], c.x[q[3]]
     g = hinge_gradient(x0, x1, x2, x3)
-    w0, w1, w2, w3 = weight_of(c, q[0]), weight_of(c, q[1]), weight_of(c, q[2]), weight_of(c, q[3])
+    w0, w1, w2, w3 = mobility(c, q[0]), mobility(c, q[1]), mobility(c, q[2]), mobility(c, q[3])
     total = w0 * wp.dot(g.a, g.a) + w1 * wp.dot(g.b, g.b) + w2 * wp.dot(g.c, g.c) + w3 * wp.dot(g.d, g.d)
     turn = bent(hinge_angle(x0, x1, x2, x3), c.crease_angle[k])
     turn = turn / (total + 1.0 / (c.crease_stiffness[k] * p.dt * p.dt))
@@ -102,15 +97,34 @@ def push_out(c: Cloth, h: Contact, b: Bends, p: Physics, i: int, since: float):
 
 
 @wp.func
-def settle(c: Cloth, h: Contact, o: Contact, b: Bends, p: Physics, i: int, since: float):
-    """Push out of the cloth itself and of the body, and take the velocity from the way gone."""
-    push_out(c, o, b, p, i, since)
+def push_apart(c: Cloth, k: Constraints, b: Bends, p: Physics, j: int, since: float):
+    """Push the particles of a contact until it has its gap, and rub them against each other."""
+    depth = float(0.0)
+    if meets(c, k, j, since + p.dt):
+        depth = k.gap[j] - apart(c, k, j, since + p.dt)
+    index = k.index[j]
+    weight = k.weight[j]
+    n = k.normal[j]
+    give = float(0.0)
+    for a in range(4):
+        give += weight[a] * weight[a] * mobility(c, index[a])
+    if depth > 0.0 and give > 0.0:
+        way = blend(c.x, index, weight) - blend(b.before, index, weight) - p.dt * k.velocity[j]
+        way = way - wp.dot(way, n) * n
+        push = (depth * n - wp.min(1.0, p.friction * depth / wp.max(wp.length(way), 1.0e-9)) * way) / give
+        for a in range(4):
+            c.x[index[a]] = c.x[index[a]] + weight[a] * mobility(c, index[a]) * push
+
+
+@wp.func
+def settle(c: Cloth, h: Contact, b: Bends, p: Physics, i: int, since: float):
+    """Push out of the body, and take the velocity from the way gone."""
     push_out(c, h, b, p, i, since)
     c.v[i] = (c.x[i] - b.before[i]) / p.dt
 
 
 @wp.kernel(enable_backward=False)
-def advance_xpbd(c: Cloth, h: Contact, o: Contact, b: Bends, p: Physics, substeps: int):
+def advance_xpbd(c: Cloth, h: Contact, k: Constraints, b: Bends, p: Physics, substeps: int):
     """All substeps up to the next query, one thread: Gauss-Seidel goes from edge to edge."""
     for s in range(substeps):
         since = float(s) * p.dt
@@ -118,12 +132,16 @@ def advance_xpbd(c: Cloth, h: Contact, o: Contact, b: Bends, p: Physics, substep
             predict(c, h, b, p, i, since)
         for e in range(c.ends.shape[0]):
             project_edge(c, p, e)
-        for k in range(b.stiffness.shape[0]):
-            project_bend(c, b, p, k)
-        for k in range(c.crease.shape[0]):
-            project_crease(c, p, k)
+        for i in range(b.stiffness.shape[0]):
+            project_bend(c, b, p, i)
+        for i in range(c.crease.shape[0]):
+            project_crease(c, p, i)
+        for i in range(c.x.shape[0]):  # first, so that the samples between particles find little left to do
+            push_out(c, h, b, p, i, since)
+        for j in range(k.count[0]):
+            push_apart(c, k, b, p, j, since)
         for i in range(c.x.shape[0]):
-            settle(c, h, o, b, p, i, since)
+            settle(c, h, b, p, i, since)
 
 
 class XpbdSolver(Solver):
@@ -141,6 +159,5 @@ class XpbdSolver(Solver):
         b.before = wp.zeros(len(fabric.mass), dtype=wp.vec3, device=self.device)
 
     def _integrate(self) -> None:
-        self._launch(
-            advance_xpbd, 1, [self.cloth, self.contact, self.own_contact, self.bends, self.physics, self.steps]
-        )
+        inputs = [self.cloth, self.contact, self.shared.contacts.constraints, self.bends, self.physics, self.steps]
+        self._launch(advance_xpbd, 1, inputs)

@@ -13,7 +13,10 @@ from garmentbench.simulation.simulate import simulate
 ARCHITECTURE = 90  # of Hopper
 
 
-@pytest.mark.parametrize("name", ["integrate", "damping", "contact", "self_contact", "xpbd"])
+CONTACTS = [f"contacts.{name}" for name in ("candidates", "sides", "listing", "samples")]
+
+
+@pytest.mark.parametrize("name", ["integrate", "damping", "contact", "xpbd", *CONTACTS])
 def test_compiles_for_cuda_without_a_device(name, tmp_path):
     wp.init()
     if ARCHITECTURE not in wp.get_cuda_supported_archs():

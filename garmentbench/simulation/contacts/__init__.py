@@ -1,0 +1,1 @@
+"""Contacts that several particles share: cloth against itself, and the middles of faces and edges against the body."""
