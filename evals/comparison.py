@@ -10,20 +10,22 @@ from garmentbench import pipeline
 from garmentbench.errors import UsageError, UserError
 from garmentbench.evals.experiment import Experiment, Work, about, failed_row, first_failure, named
 from garmentbench.evals.paper_numbers import paper_cell
+from garmentbench.evaluation.another_run import ANOTHER_RUN
 from garmentbench.evaluation.results import Row
 from garmentbench.method import Method
 from garmentbench.methods import method_names
 from garmentbench.metrics import metric
+from garmentbench.metrics.push_growth import PUSH_GROWTH, regime
 from garmentbench.reference import Source, make_reference, resolve_source
 from garmentbench.report.card import frame_count
 from garmentbench.report.cells import ABSENT, best, competing, number, status_cell, value_cell
-from garmentbench.report.lines import REFERENCE, Line, Value, label, order
+from garmentbench.report.lines import SIMULATED, Line, Value, label, order
 from garmentbench.report.table import Cell, Table
 from garmentbench.scenes.presets import Preset
 from garmentbench.scenes.scene import Scene
 from garmentbench.scenes.training_sets import expanded
 from garmentbench.scenes.training_sets import title as training_title
-from garmentbench.storage.jobs import Job, Reused
+from garmentbench.storage.jobs import Failure, Job, Reused
 from garmentbench.storage.runs import Run, RunStore
 
 if TYPE_CHECKING:
@@ -31,7 +33,9 @@ if TYPE_CHECKING:
     from garmentbench.report.page import Picture, Section
 
 TRAIN_FRAMES = 300  # the paper's training length, section 6.1
-MAIN = (  # the main table's columns after the errors
+MAIN = (  # the main table's columns after the errors against the first run
+    "error",
+    "error_over_spread",
     "interpenetration_before",
     "interpenetration",
     "self_intersection",
@@ -137,12 +141,15 @@ class Comparison(Experiment):
 
     def work(self, preset: Preset, seeds: int) -> Work:
         trials = self.trials(preset, seeds)
+        tests = {trial.test.name: trial.test for trial in trials}.values()
         scenes = [scene for trial in trials for scene in (*trial.train, trial.test)]
         jobs = {job.key: job for scene in scenes for job in [sequence_job(scene, preset)]}
         jobs |= {job.key: job for trial in trials for job in _jobs(trial, trials, preset)}
+        jobs |= {job.key: job for test in tests for job in [_another_run_job(test, preset)]}
 
         def rows(results: dict) -> list[Row]:
-            return [row for trial in trials for row in self.trial_rows(trial, preset, results)]
+            simulated = [row for test in tests for row in self.another_run_rows(test, preset, results)]
+            return simulated + [row for trial in trials for row in self.trial_rows(trial, preset, results)]
 
         return Work(jobs, rows)
 
@@ -153,6 +160,10 @@ class Comparison(Experiment):
             name = choice.name
             if lines.count((name, entry.label)) > 1:
                 raise UsageError(f"{self.name}: two entries are called '{name}', {entry.label}; wanted different ones")
+            if name in SIMULATED:
+                raise UsageError(
+                    f"{self.name}: {entry.method} calls itself '{name}', as the simulator's line; rename it"
+                )
             if name in method_names() and pipeline.load_method(name) is not choice.method:
                 raise UsageError(
                     f"{self.name}: {entry.method} calls itself '{name}', as another method does; rename it"
@@ -171,6 +182,14 @@ class Comparison(Experiment):
                         f"{self.name}: train_frames = {entry.train_frames}: {source.name} has {frames} frames; "
                         "wanted at most that"
                     )
+
+    def another_run_rows(self, test: Source, preset: Preset, results: dict[tuple, Any]) -> list[Row]:
+        """The rows of the simulator's own spread; none where the reference is a single run, or could not be made."""
+        made = results[ANOTHER_RUN, test.name]
+        if made is None or isinstance(made, Failure):
+            return []
+        columns, run = about(self.table, preset, test, ANOTHER_RUN), RunStore().get(made)
+        return [named(row, columns, run.id) for row in run.results["rows"]]
 
     def trial_rows(self, trial: Trial, preset: Preset, results: dict[tuple, Any]) -> list[Row]:
         """The rows of one trial: what its run measured, or that it failed."""
@@ -218,8 +237,8 @@ class Comparison(Experiment):
 
 
 def order_of_methods(line: Line) -> int:
-    """The reference, then the simple methods as they are listed, then all others."""
-    known = [REFERENCE, *(entry.method for entry in SIMPLE)]
+    """The simulator's own lines, then the simple methods as they are listed, then all others."""
+    known = [*SIMULATED, *(entry.method for entry in SIMPLE)]
     return known.index(line.method) if line.method in known else len(known)
 
 
@@ -259,6 +278,17 @@ def _jobs(trial: Trial, trials: list[Trial], preset: Preset) -> list[Job]:
 def _simulate(source: Source, preset: Preset) -> Path | Reused:
     reference = make_reference(source, preset)
     return Reused(reference.path) if reference.reused else reference.path
+
+
+def _another_run_job(source: Source, preset: Preset) -> Job:
+    """Scoring the further runs of a test scene."""
+    key, needs = (ANOTHER_RUN, source.name), (("sequence", source.name),)
+    return Job(key, f"another run of {source.name}", _score_another_run, needs, (source, preset))
+
+
+def _score_another_run(_: Path, source: Source, preset: Preset) -> str | Reused | None:
+    run = pipeline.evaluate_another_run(source, preset, RunStore())
+    return None if run is None else _id(run)
 
 
 def _train(*inputs: Any) -> str | Reused:
@@ -302,8 +332,9 @@ def accuracy_table(found: list[Line], title: str) -> Table:
     for column in columns:
         header.append(column.title)
         values = [line.value(column.metric, column.horizon) for line in found]
-        winner = best(values, column.metric)
-        unsettled |= len(competing(values)) > 1 and not all(value.settled for value in competing(values))
+        methods = [value for line, value in zip(found, values, strict=True) if line.method not in SIMULATED]
+        winner = best(methods, column.metric)
+        unsettled |= len(competing(methods)) > 1 and not all(value.settled for value in competing(methods))
         cells = [_reference_cell(values)] + [value_cell(v, bold=v is winner and v is not None) for v in values]
         papers = [paper_cell(line, column.metric, column.horizon) for line in found]
         shown = any(cell.text for cell in papers)
@@ -342,10 +373,8 @@ def measured_columns(found: list[Line], metrics: tuple[str, ...]) -> list[Column
 
 
 def _reference_cell(values: list[Value | None]) -> Cell:
-    """The reference's uncertainty where errors are measured against it, or its own value of a metric."""
+    """The reference's own value of a metric, where it has one."""
     for value in values:
-        if value is not None and not math.isnan(value.uncertainty):
-            return Cell(f"± {value.uncertainty:.2g}", note=True)
         if value is not None and not math.isnan(value.reference):
             return Cell(number(value.reference), note=True)
     return Cell(ABSENT, note=True)
@@ -354,8 +383,9 @@ def _reference_cell(values: list[Value | None]) -> Cell:
 def _caption(found: list[Line], unsettled: bool, bold: bool) -> str:
     """What the table's cells hold. `unsettled`: in some columns nothing is bold, for a value of a single training with
     chance in it; `bold`: something is bold."""
-    seeds = max(line.rows.seed.nunique() for line in found)
-    ran = [line for line in found if line.run_ids]
+    methods = [line for line in found if line.method not in SIMULATED]
+    seeds = max((line.rows.seed.nunique() for line in methods), default=1)
+    ran = [line for line in methods if line.run_ids]
     once = "methods whose training has chance in it were trained once, and by how much another training would move them"
     if seeds > 1:
         interval = f"mean over {seeds} seeds ± half the 95 % confidence interval"
@@ -366,12 +396,19 @@ def _caption(found: list[Line], unsettled: bool, bold: bool) -> str:
     if unsettled and not bold:
         rule = f"nothing is bold, since {once} isn't known"
     else:
-        rule = "bold: better than every other line by more than that uncertainty, with intervals that do not overlap"
+        rule = "bold: better than every other method by more than the spread, with intervals that do not overlap"
         rule += f"; nothing in other columns, where {once} isn't known" if unsettled else ""
     return (
-        f"Scene {found[0].scene}; {interval}. Errors are mean distances to the reference, whose own uncertainty and "
-        f"values stand in the first line; {rule}."
+        f"Scene {found[0].scene}{_regime(found)}; {interval}. 1-step and roll-out are mean distances to the run of the "
+        "reference that the method begins in, whose own values stand in the first line; error is that to all its runs. "
+        f"Another run of the simulator errs by the spread, and nobody need do better; {rule}."
     )
+
+
+def _regime(found: list[Line]) -> str:
+    """Whether the scene is contracting or chaotic, as its further runs say; nothing where there are none."""
+    growths = [value.mean for line in found if (value := line.value(PUSH_GROWTH.name)) is not None]
+    return f", {regime(growths[0])} (a push of 1 mm is {growths[0]:.2g} mm in its last fifth)" if growths else ""
 
 
 def _pictures(name: str, lines: list[Line], results: "Results") -> "list[Picture]":

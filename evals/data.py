@@ -26,6 +26,8 @@ _COLUMNS = (  # of the table: a fact, its title, whether it is a whole number
     ("ms_per_frame", "cost [ms a frame]", False),
     ("spread", "spread [cm]", False),
     ("interpenetration_strict", "inside, strict [%]", False),
+    ("faces_inside", "faces inside [%]", False),
+    ("skin_frames", "frames with skin through [%]", False),
     ("self_intersection", "crossing faces [%]", False),
 )
 

@@ -142,7 +142,7 @@ def with_skill(rows: list[Row]) -> list[Row]:
     for r in errors:
         if (r.scene, r.horizon) in skinning:
             value = skill(_kept(r.value), skinning[r.scene, r.horizon])
-            skills.append(replace(r, metric=SKILL.name, value=value, unit=SKILL.unit, uncertainty=None, note=""))
+            skills.append(replace(r, metric=SKILL.name, value=value, unit=SKILL.unit, spread=None, note=""))
     return [r for r in rows if r.metric != SKILL.name] + skills
 
 

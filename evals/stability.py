@@ -142,7 +142,6 @@ def simulator_measures(scene: Scene, path: Path, unstressed: Path) -> list[Row]:
     values = sequence.scores | _stress_values(scene, sequence, sequence.garment, plain)
     columns = {
         "horizon": len(sequence),
-        "uncertainty": sequence.spread_cm,
         "status": OK if simulated["status"] == "ok" else DIVERGED,
         "first_bad_frame": simulated["first_bad_frame"],
     }

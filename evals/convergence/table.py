@@ -1,14 +1,15 @@
 """The convergence study's tables: how far the reference moves when nothing that should matter is changed.
 
-Is the reference good enough to measure a method against? Its uncertainty (the larger of a finer step and of a start
-pushed by 1 mm) should be at most a third of the full model's error; the second table says where it is not.
+Is the reference good enough to measure a method against? Its spread (what another run of the simulator errs by) should
+be at most a third of the full model's error; the second table says where it is not.
 """
 
 import math
 from dataclasses import dataclass
 
+from garmentbench.metrics.spread import SPREAD
 from garmentbench.report.cells import ABSENT, number, status_cell, value_cell
-from garmentbench.report.lines import Frame, Line, Results
+from garmentbench.report.lines import REFERENCE, Frame, Line, Results
 from garmentbench.report.table import Cell, Table
 
 CONVERGENCE, TRUST, SENSITIVITY = "convergence", "trust", "sensitivity"
@@ -35,7 +36,8 @@ OTHER_CLOTH = {
     "body_full": "the body's full mesh",
 }
 ABOVE_ROUNDING = 2.0  # differences in the step below this many times what rounding changes say nothing about it
-PART_OF_ERROR = 1 / 3  # the uncertainty may be so much of the full model's error
+PART_OF_ERROR = 1 / 3  # the spread may be so much of the full model's error
+NOTHING = 0.005  # [cm] what the step changes below it has no order that means anything
 
 
 @dataclass(frozen=True)
@@ -47,6 +49,7 @@ class SceneStudy:
         lines: One a variant, by the variant's name.
         model_error: The full model's roll-out error [cm] on that garment, or NaN where it was not run.
         model_scene: The scene of that error.
+        spread: What another run of the whole scene errs by [cm], or NaN where it was not measured.
     """
 
     scene: str
@@ -54,6 +57,7 @@ class SceneStudy:
     lines: dict[str, Line]
     model_error: float
     model_scene: str
+    spread: float = math.nan
 
     def mean(self, variant: str, metric: str = "difference") -> float:
         """A variant's value; NaN where there is none."""
@@ -61,9 +65,9 @@ class SceneStudy:
         return math.nan if value is None else value.mean
 
     @property
-    def uncertainty(self) -> float:
-        """The largest of what a finer step, more queries and a start pushed by 1 mm change [cm]; NaN if one isn't
-        known."""
+    def noise(self) -> float:
+        """The largest of what a finer step, more queries and a start pushed by 1 mm change over the study's frames
+        [cm]; NaN if one isn't known."""
         all_of_them = self.mean(CHOSEN), self.mean("queries_x8"), self.mean("start_1mm")
         return math.nan if any(map(math.isnan, all_of_them)) else max(all_of_them)
 
@@ -93,8 +97,15 @@ def studies(results: Results) -> list[SceneStudy]:
     for scene in dict.fromkeys(line.scene for line in found):
         by_variant = {line.variant: line for line in found if line.scene == scene}
         garment = next(iter(by_variant.values())).garment
-        made.append(SceneStudy(scene, garment, by_variant, *_model_error(results.table, scene, garment)))
+        error = _model_error(results.table, scene, garment)
+        made.append(SceneStudy(scene, garment, by_variant, *error, _spread(results.table, scene)))
     return made
+
+
+def _spread(results: Frame, scene: str) -> float:
+    """What the scene's data card says of its runs [cm]; NaN where it has none, or says nothing."""
+    rows = results[(results.method == REFERENCE) & (results.metric == SPREAD.name) & (results.scene == scene)]
+    return float(rows.value.iloc[0]) if len(rows) else math.nan
 
 
 def _model_error(results: Frame, scene: str, garment: str) -> tuple[float, str]:
@@ -141,47 +152,52 @@ def convergence_table(found: list[SceneStudy]) -> Table:
 
 
 def trust_table(found: list[SceneStudy]) -> Table:
-    """Is the reference's uncertainty at most a third of the full model's error, garment by garment?"""
+    """Is what nobody can foretell of the reference at most a third of the full model's error, garment by garment?"""
     rows = []
     for study in found:
         order = Cell("none" if math.isnan(study.order) else number(study.order))
-        cells = [centimetres(v) for v in (study.uncertainty, study.mean("mesh_fine"), study.model_error)]
+        if study.mean(CHOSEN) < NOTHING:
+            order = Cell(f"below {NOTHING:g} cm")
+        cells = [centimetres(v) for v in (study.noise, study.spread, study.mean("mesh_fine"), study.model_error)]
         rows.append([Cell(study.scene), order, *cells, Cell(study.model_scene or ABSENT), _verdict(study)])
     return Table(
         TRUST,
         "Can the reference be trusted?",
-        "The uncertainty is the largest of what the finest step, 8 times the queries and a start pushed by 1 mm "
-        "change. It should be at most a third of the full model's roll-out error. What a finer mesh changes is no "
-        "error of the simulation of this mesh, but says how far the mesh stands for the cloth. Order: of the error "
-        "in the step, by its fall from 1 to 4 times the substeps; the integrator's own is 1. There is none where "
-        "the differences do not fall: the step's error is then hidden by rounding, or by folds that fall one way "
-        "or the other for any reason (see the start pushed by a micrometre).",
+        "The spread is what another run of the simulator errs by, over the whole scene. It should be at most a third "
+        "of the full model's roll-out error, and so should the largest of what the finest step, 8 times the queries "
+        "and a start pushed by 1 mm change over the study's frames. What a finer mesh changes is no error of the "
+        "simulation of this mesh, but says how far the mesh stands for the cloth. Order: of the error in the step, by "
+        "its fall from 1 to 4 times the substeps; the integrator's own is 1. Where the step changes less than 0.005 cm "
+        "an order would mean nothing. There is none where the differences do not fall: the step's error is then "
+        "hidden by rounding, or by folds that fall one way or the other for any reason (see the start pushed by a "
+        "micrometre).",
         [
             "scene",
             "order",
-            "uncertainty [cm]",
+            "step, queries, push [cm]",
+            "spread [cm]",
             "finer mesh [cm]",
             "full model's error [cm]",
             "measured on",
             "at most a third",
         ],
         rows,
-        frozenset({0, 5, 6}),
+        frozenset({0, 6, 7}),
     )
 
 
 def sensitivity_table(found: list[SceneStudy]) -> Table:
-    """How far the reference moves when the cloth, the air or the body is another, beside its uncertainty."""
+    """How far the reference moves when the cloth, the air or the body is another, beside what changes nothing."""
     rows = [
-        [Cell(study.scene), centimetres(study.uncertainty), *(centimetres(study.mean(v)) for v in OTHER_CLOTH)]
+        [Cell(study.scene), centimetres(study.noise), *(centimetres(study.mean(v)) for v in OTHER_CLOTH)]
         for study in found
     ]
     return Table(
         SENSITIVITY,
         "What the reference depends on",
         "Mean distance [cm] from the chosen setting, over the scene's first frames, of a run with one quantity "
-        "changed. What is below the uncertainty can't be told from another start.",
-        ["scene", "uncertainty [cm]", *OTHER_CLOTH.values()],
+        "changed. What is below the first column can't be told from another start.",
+        ["scene", "step, queries, push [cm]", *OTHER_CLOTH.values()],
         rows,
         frozenset({0}),
     )
@@ -193,8 +209,9 @@ def centimetres(value: float, bold: bool = False) -> Cell:
 
 
 def _verdict(study: SceneStudy) -> Cell:
-    share = study.uncertainty / study.model_error
+    both = study.spread, study.noise
+    share = math.nan if any(map(math.isnan, both)) else max(both) / study.model_error
     if math.isnan(share):
-        return Cell("full model not run on it" if math.isnan(study.model_error) else "uncertainty not known", bad=True)
+        return Cell("full model not run on it" if math.isnan(study.model_error) else "spread not known", bad=True)
     holds = share <= PART_OF_ERROR
     return Cell(f"{'yes' if holds else 'no'}: {number(100 * share)} %", bad=not holds)

@@ -24,6 +24,7 @@ from garmentbench.geometry.mesh import edge_lengths, unique_edges
 from garmentbench.metrics import Motion, metric, scores
 from garmentbench.metrics.difference import DIFFERENCES
 from garmentbench.metrics.interpenetration_strict import PENETRATION
+from garmentbench.metrics.spread import SPREAD
 from garmentbench.reference import reference_identity
 from garmentbench.scenes.presets import Preset
 from garmentbench.scenes.scene import Scene
@@ -98,7 +99,7 @@ def _compare(run: Run, whole: Scene, preset: Preset, variant: Variant) -> None:
     write_excerpt(run.folder, reference, RollOut(ROLL_OUT, 0, garment, None, np.full((len(garment), 3), np.nan)))
     run.finish(
         {
-            "rows": _measures(garment, other.results["ms_per_frame"], reference, made.spread_cm),
+            "rows": _measures(garment, other.results["ms_per_frame"], reference, SPREAD.compute(Motion.of(made))),
             "match": matched,
             "message": "",
         }
@@ -149,10 +150,10 @@ def _vbd(outfit: "Outfit", name: str, vbd: VbdSettings) -> tuple[np.ndarray, flo
     return ran.positions[outfit.animation.warm_up :], ran.ms_per_frame
 
 
-def _measures(garment: np.ndarray, ms: float, reference: Sequence, uncertainty: float | None) -> list[dict]:
+def _measures(garment: np.ndarray, ms: float, reference: Sequence, spread: float) -> list[dict]:
     """Rows of one comparison: each metric of the other engine's garment, with the reference's own."""
     truth = Motion.of(reference)
-    rows = [Row.of(m, m.compute(garment, reference.garment), uncertainty=uncertainty) for m in DIFFERENCES]
+    rows = [Row.of(m, m.compute(garment, reference.garment), spread=spread) for m in DIFFERENCES]
     rows.append(Row.of(metric("ms_per_frame"), ms, reference_value=reference.scores["ms_per_frame"]))
     if reference.template.needs.body:
         theirs, ours = (scores(m, *PENETRATION) for m in (replace(truth, predicted=garment), truth))

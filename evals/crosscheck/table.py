@@ -17,18 +17,18 @@ COMPARED = {
 
 
 def crosscheck_table(found: list[Line]) -> Table:
-    """Each comparison: how far the engines are apart beside the reference's own uncertainty, and what each has of
+    """Each comparison: how far the engines are apart beside the spread of the reference's runs, and what each has of
     its own."""
     rows = []
     for line in found:
-        apart, spread = line.value("difference"), line.value("difference_p95")
+        apart, high = line.value("difference"), line.value("difference_p95")
         rows.append(
             [
                 Cell(line.scene),
                 Cell(COMPARED.get(line.variant, line.variant)),
                 centimetres(_mean(apart), bold=line.variant == "full"),
-                centimetres(_mean(spread)),
-                Cell(ABSENT) if apart is None or math.isnan(apart.uncertainty) else centimetres(apart.uncertainty),
+                centimetres(_mean(high)),
+                Cell(ABSENT) if apart is None or math.isnan(apart.spread) else centimetres(apart.spread),
                 _both(line.value("interpenetration_strict")),
                 _both(line.value("ms_per_frame")),
                 _strips(line),
@@ -47,7 +47,7 @@ def crosscheck_table(found: list[Line]) -> Table:
             "compared",
             "apart [cm]",
             "95th percentile [cm]",
-            "reference's uncertainty [cm]",
+            "reference's spread [cm]",
             "inside [%]",
             "time a frame [ms]",
             "match: hanging, clamped [%]",

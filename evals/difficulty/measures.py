@@ -13,6 +13,7 @@ from garmentbench.methods.baselines.code_dynamics import CodeDynamics
 from garmentbench.methods.baselines.linear_subspace import LinearSubspace
 from garmentbench.metrics import Metric
 from garmentbench.metrics.l2 import l2
+from garmentbench.metrics.spread import SPREAD
 from garmentbench.sequence import Sequence
 
 
@@ -40,7 +41,6 @@ def pca_floor(method: CodeDynamics, sequence: Sequence) -> float:
 
 VARIATION = Metric("variation", "cm", "variation", variation)
 PCA_FLOOR = Metric("pca_floor", "cm", "PCA floor", pca_floor)
-SPREAD = Metric("spread", "cm", "spread", lambda sequence: sequence.spread_cm)
 
 
 def measured(path: Path, trained: Path) -> list[Row]:

@@ -138,9 +138,9 @@ def twisted(edges: float) -> float:
     middle = float(cloth.rest[:, 1].mean())
     size = 0.06
     plate = np.array([[0, -size, -size], [0, size, -size], [0, size, size], [0, -size, size]])
-    rest = np.concatenate([plate + [0, middle, 0], plate + [length, middle, 0]])
+    rest = np.concatenate([plate + [0, middle, 0], plate + [length, middle, 0]])  # their faces look at the sheet
     body = Body(
-        "plates", rest.astype(np.float32), np.array([[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7]], np.int32), kind=OBJECT
+        "plates", rest.astype(np.float32), np.array([[0, 1, 2], [0, 2, 3], [4, 6, 5], [4, 7, 6]], np.int32), kind=OBJECT
     )
     part = np.clip(np.arange(frames + 1) / (0.9 * frames), 0, 1)
     angle = np.pi * turns * part

@@ -24,7 +24,7 @@ class Bodies:
     Attributes:
         action: list, export or bake.
         export: With export: the body's name, and the file to write (.obj or .ply).
-        size: With export: full (13,348 vertices) or small (about 3,500).
+        size: With export: full (13,348 vertices) or small (5,414).
         name: With bake: what scenes will call it.
         gender: 0 male, 1 female.
         age: 0.667 is a young adult; 0.5 is a child.

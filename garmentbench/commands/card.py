@@ -8,7 +8,7 @@ from tyro.conf import Positional
 
 @dataclass(frozen=True)
 class Card:
-    """Print the data card of a sequence: what it is, its cost, its uncertainty, its known flaws, how to evaluate on it.
+    """Print the data card of a sequence: what it is, its cost, its spread, its known flaws, how to evaluate on it.
 
     Example: garmentbench card tshirt-armspace-90 --preset smoke --out card.md
 

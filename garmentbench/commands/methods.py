@@ -156,7 +156,7 @@ class Evaluate:
             run = evaluate(trained, source, size, RunStore())
         except OtherGarmentError as e:
             raise UserError(f"{e}; give --train-scene a scene of that garment") from e
-        columns = ("metric", "horizon", "value", "uncertainty", "unit", "reference_value", "status")
+        columns = ("metric", "horizon", "value", "spread", "unit", "reference_value", "status")
         print_table([{k: row.get(k) for k in columns} for row in run.results["rows"]])
         for warning in warnings(run.results["rows"]):
             print(f"warning: {warning}")

@@ -68,6 +68,36 @@ def _show(scene: "Scene") -> None:
     needs = asdict(scene_needs(scene, MESH_SIZES["smoke"]))  # which size does not matter
     print("needs: " + (", ".join(k for k, v in needs.items() if v) or "nothing besides the garment"))
     print("left out: " + (", ".join(k for k, v in needs.items() if not v) or "nothing"))
+    for line in _simulated(scene):
+        print(line)
+
+
+def _simulated(scene: "Scene") -> list[str]:
+    """A line a mesh size at which it has been simulated: its runs, their spread, contracting or chaotic."""
+    from garmentbench import sequence_file
+    from garmentbench.errors import UserError
+    from garmentbench.metrics.push_growth import regime
+    from garmentbench.paths import sequence_path
+    from garmentbench.reference import IDENTITY, reference_identity
+    from garmentbench.scenes.presets import PRESETS
+
+    lines = []
+    for preset in PRESETS.values():
+        path = sequence_path(preset.mesh.name, scene.name)
+        if not path.is_file():
+            continue
+        try:
+            sequence = sequence_file.load(path, frames=1)
+        except UserError as e:
+            lines.append(f"simulated, {preset.mesh.name}: {e}")
+            continue
+        runs, spread, growth = 1 + len(sequence.info.get("runs", ())), sequence.spread_cm, sequence.push_growth
+        told = f"{runs} runs" if runs > 1 else "one run"
+        told += "" if spread is None else f", spread {spread:.2g} cm"
+        told += "" if growth is None else f", {regime(growth)}: a push of 1 mm is {growth:.2g} mm in the last fifth"
+        old = "" if sequence.info.get(IDENTITY) == reference_identity(scene, preset) else " (of another scene or code)"
+        lines.append(f"simulated, {preset.mesh.name}{old}: {told}")
+    return lines
 
 
 def _changed(value: "DataclassInstance") -> str:

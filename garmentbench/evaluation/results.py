@@ -7,14 +7,17 @@ from dataclasses import dataclass, fields, replace
 from garmentbench.metrics import Metric
 from garmentbench.metrics.l2 import ONE_STEP_L2, ROLLOUT_L2
 
-BELOW_UNCERTAINTY = "below the reference's uncertainty"
+BELOW_HALF_SPREAD = "below half the spread"
+RUN_BROKE = "a run of the reference broke"
 EXACTLY_ZERO = "exactly the reference"
 TRAINED_ON_IT = "trained on this scene"
 UNDER_LOAD = "timed under load"
 BETWEEN = "; "  # of several notes on one value
 WARNINGS = {  # what to say where a noted value is read
-    BELOW_UNCERTAINTY: "the reference itself can't be repeated as exactly, so the difference means nothing; "
-    "does the method read the reference?",
+    BELOW_HALF_SPREAD: "no prediction that doesn't know this very run comes so near to it on average; does the method "
+    "read the reference?",
+    RUN_BROKE: "it is not finite in these frames and left out of the ensemble; simulate with smaller steps "
+    "(step_margin under [simulation])",
     EXACTLY_ZERO: "no prediction hits every vertex to the last digit; does the method read the reference, or does "
     "nothing move?",
     TRAINED_ON_IT: "a training error, which says nothing of other motions; test on a scene that isn't trained on",
@@ -33,7 +36,8 @@ class Row:
         method, variant, train_frames, seed: By what.
         metric, horizon, value, unit: What was measured, over how many frames; NaN where there is no value.
         reference_value: The reference's own value, by the same code; None where it has none.
-        uncertainty: The reference's uncertainty [cm]; None for a metric that is no length, or where it is not known.
+        spread: What another run of the simulator errs by over the same frames [cm], beside errors of roll-outs; None
+            beside other metrics, and where the reference is a single run.
         status, first_bad_frame: How the roll-out ended: "ok", "diverged", "failed".
         run_id: The run that measured it; a message in parentheses where none could be made.
         train_scenes: What the method was trained on, names joined by "+".
@@ -56,7 +60,7 @@ class Row:
     value: float = math.nan
     unit: str = ""
     reference_value: float | None = None
-    uncertainty: float | None = None
+    spread: float | None = None
     status: str = "ok"
     first_bad_frame: int | None = None
     run_id: str = ""
@@ -65,14 +69,8 @@ class Row:
 
     @classmethod
     def of(cls, metric: Metric, value: float, **columns) -> "Row":
-        """A metric's value, with its unit and, for an error that no honest prediction has, a note.
-
-        A single step may well err by less than the uncertainty, which has grown over all frames; but not by nothing.
-        """
-        uncertainty = columns.get("uncertainty")
-        if metric is ROLLOUT_L2 and uncertainty is not None and value < uncertainty:
-            columns.setdefault("note", BELOW_UNCERTAINTY)
-        elif metric in (ROLLOUT_L2, ONE_STEP_L2) and value == 0:
+        """A metric's value, with its unit and, for no error at all, which no honest prediction has, a note."""
+        if metric in (ROLLOUT_L2, ONE_STEP_L2) and value == 0:
             columns.setdefault("note", EXACTLY_ZERO)
         return cls(metric=metric.name, value=float(value), unit=metric.unit, **columns)
 
@@ -92,7 +90,7 @@ _MEASURED = {
     "value",
     "unit",
     "reference_value",
-    "uncertainty",
+    "spread",
     "status",
     "first_bad_frame",
     "note",

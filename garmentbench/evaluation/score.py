@@ -1,39 +1,78 @@
 """All metrics of a roll-out, as rows for results.csv."""
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
-from garmentbench.evaluation.results import UNDER_LOAD, Row
+from garmentbench.evaluation.results import BELOW_HALF_SPREAD, RUN_BROKE, UNDER_LOAD, Row
 from garmentbench.evaluation.rollout import OK, RollOut
 from garmentbench.metrics import METRICS, Metric, Motion
+from garmentbench.metrics.ensemble import ENERGY_SCORE, ERROR, ERROR_OVER_SPREAD
 from garmentbench.metrics.l2 import ONE_STEP_L2, ROLLOUT_L2
 from garmentbench.metrics.ms_per_frame import under_load
+from garmentbench.metrics.spread import SPREAD, finite_runs
 from garmentbench.sequence import Sequence
 
 SHORT_HORIZON = 50  # of the paper's Table 3; its other one is the whole sequence
 
 
-def score(roll: RollOut, one: RollOut | None, sequence: Sequence) -> list[Row]:
+def score(
+    roll: RollOut, one: RollOut | None, sequence: Sequence, only: Callable[[Metric], bool] = lambda metric: True
+) -> list[Row]:
     """Rows of all metrics that apply to a free roll-out, and the error of single steps, of a sequence's reference.
+
+    Args:
+        roll: The free roll-out.
+        one: The single steps; None where there are none.
+        sequence: What it was rolled out on. Errors against the ensemble need its further runs.
+        only: Which of the metrics.
 
     A metric over the whole roll-out is NaN when it ended early; what could be computed stays. The reference's own value
     is the one that the sequence keeps, or else the same metric with the reference in the prediction's place.
     """
     motion = _motion(roll, sequence)
-    rows = []
-    for horizon in _horizons(roll, sequence):
-        first = Motion(motion.predicted[:horizon], motion.reference[:horizon], None, motion.template)
-        rows.append(_row(ROLLOUT_L2, roll, first, sequence, horizon))
+    rows, spreads = [], spread_by_horizon(sequence, roll.start)
+    for horizon, spread in spreads.items():
+        first = _first(motion, horizon)
+        rows += [
+            _row(metric, roll, first, sequence, horizon, spread)
+            for metric in (ROLLOUT_L2, ERROR)
+            if only(metric) and metric.applies(first)
+        ]
     if one is not None:
         rows.append(_row(ONE_STEP_L2, one, _motion(one, sequence), sequence, 1))
     truth = _truth(motion)
     for metric in METRICS.values():
-        if metric not in (ROLLOUT_L2, ONE_STEP_L2) and metric.applies(motion):
-            row = _row(metric, roll, motion, sequence, len(sequence))
+        if metric not in (ROLLOUT_L2, ONE_STEP_L2, ERROR) and metric.applies(motion) and only(metric):
+            row = _row(metric, roll, motion, sequence, len(sequence), spreads[len(sequence)])
             rows.append(replace(row, reference_value=_reference_value(metric, truth, sequence)))
     return rows
+
+
+def spread_by_horizon(sequence: Sequence, start: int) -> dict[int, float | None]:
+    """What another run errs by over the frames of each horizon [cm]: the short one, where there is more than that, and
+    the length of the sequence. None where there is no other run.
+
+    Args:
+        sequence: The reference.
+        start: The first predicted frame.
+    """
+    predicted = len(sequence) - start
+    horizons = [SHORT_HORIZON, len(sequence)] if predicted > SHORT_HORIZON else [len(sequence)]
+    found = {}
+    for horizon in horizons:
+        frames = sequence.frames(start, min(start + horizon, len(sequence)))
+        cm = math.nan if frames.runs is None else SPREAD.compute(Motion.of(frames))
+        found[horizon] = cm if math.isfinite(cm) else None
+    return found
+
+
+def _first(motion: Motion, horizon: int) -> Motion:
+    """The garments of the first frames, up to the horizon."""
+    runs = None if motion.runs is None else motion.runs[:, :horizon]
+    return Motion(motion.predicted[:horizon], motion.reference[:horizon], None, motion.template, runs=runs)
 
 
 def _motion(roll: RollOut, sequence: Sequence) -> Motion:
@@ -51,6 +90,7 @@ def _motion(roll: RollOut, sequence: Sequence) -> Motion:
         before,
         roll.ms[frames],
         processor_ms,
+        None if sequence.runs is None else sequence.runs[:, frames],
     )
 
 
@@ -60,20 +100,17 @@ def _truth(motion: Motion) -> Motion:
     return replace(motion, predicted=motion.reference, before_collision=before, ms=None, processor_ms=None)
 
 
-def _horizons(roll: RollOut, sequence: Sequence) -> list[int]:
-    """The short horizon, where there is more than that, and the length of the sequence."""
-    predicted = len(sequence) - roll.start
-    return [SHORT_HORIZON, len(sequence)] if predicted > SHORT_HORIZON else [len(sequence)]
-
-
-def _row(metric: Metric, roll: RollOut, motion: Motion, sequence: Sequence, horizon: int) -> Row:
+def _row(
+    metric: Metric, roll: RollOut, motion: Motion, sequence: Sequence, horizon: int, spread: float | None = None
+) -> Row:
     value = math.nan if metric.whole and roll.status != OK else metric.compute(motion)
     columns = {"horizon": horizon, "status": roll.status, "first_bad_frame": roll.first_bad_frame}
-    if metric.unit == "cm":
-        columns["uncertainty"] = sequence.spread_cm
-    if metric.unit == "ms" and under_load(motion, metric):
-        columns["note"] = UNDER_LOAD
-    return Row.of(metric, value, **columns)
+    row = Row.of(metric, value, spread=spread if metric.unit == "cm" else None, **columns)
+    if metric is ROLLOUT_L2 and spread is not None and horizon == len(sequence) and 0 < value < spread / 2:
+        row = row.noted(BELOW_HALF_SPREAD)
+    if metric in (ERROR, ERROR_OVER_SPREAD, ENERGY_SCORE) and len(finite_runs(motion.ensemble)) < len(motion.ensemble):
+        row = row.noted(RUN_BROKE)
+    return row.noted(UNDER_LOAD) if metric.unit == "ms" and under_load(motion, metric) else row
 
 
 def _reference_value(metric: Metric, truth: Motion, sequence: Sequence) -> float | None:

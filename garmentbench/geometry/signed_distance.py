@@ -8,9 +8,9 @@ is open: what is nearest to its border, and beside it rather than behind it, is 
 
 import numpy as np
 import warp as wp
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
-from garmentbench.geometry.mesh import border_vertices
+from garmentbench.geometry.mesh import border_vertices, unique_edges
 from garmentbench.geometry.side import side
 from garmentbench.geometry.triangle import distance_to_face
 
@@ -21,6 +21,7 @@ def signed_distances(
     garment: Float[np.ndarray, "frames vertices 3"],
     body: Float[np.ndarray, "frames body_vertices 3"],
     body_faces: Int[np.ndarray, "faces 3"],
+    wanted: Bool[np.ndarray, "frames vertices"] | None = None,
 ) -> Float[np.ndarray, "frames vertices"]:
     """Signed distance of garment vertices to the body's surface, negative inside.
 
@@ -28,6 +29,7 @@ def signed_distances(
         garment: [m], shape (T, V, 3), finite.
         body: [m], shape (T, B, 3).
         body_faces: Shape (K, 3), outward orientation.
+        wanted: Which are asked for, shape (T, V); the others are +inf. None: all.
 
     Returns:
         [m], float32, shape (T, V).
@@ -41,15 +43,47 @@ def signed_distances(
         points = wp.array(body[0], dtype=wp.vec3)
         mesh = wp.Mesh(points, wp.array(body_faces.ravel(), dtype=wp.int32))
         distances = wp.empty(garment.shape[1], dtype=float)
-        near = wp.full(garment.shape[1], -1, dtype=int)
+        near, asked = (wp.full(garment.shape[1], value, dtype=int) for value in (-1, 1))
         ends, closed = wp.array(border, dtype=int), not border.any()
         for t in range(len(out)):
             points.assign(body[t])
             mesh.refit()
             points_now = wp.array(garment[t], dtype=wp.vec3)
-            wp.launch(_query, len(distances), [mesh.id, len(body_faces), ends, closed, points_now, near], [distances])
+            asked.assign(np.ones(len(asked)) if wanted is None else wanted[t])
+            inputs = [mesh.id, len(body_faces), ends, closed, points_now, asked, near]
+            wp.launch(_query, len(distances), inputs, [distances])
             out[t] = distances.numpy()
     return out
+
+
+def signed_distances_between(
+    garment: Float[np.ndarray, "frames vertices 3"],
+    faces: Int[np.ndarray, "garment_faces 3"],
+    distances: Float[np.ndarray, "frames vertices"],
+    body: Float[np.ndarray, "frames body_vertices 3"],
+    body_faces: Int[np.ndarray, "faces 3"],
+) -> Float[np.ndarray, "frames points"]:
+    """Signed distance of the middles of a garment's edges, then of the centres of its faces, negative inside.
+
+    A distance falls by no more than the way gone; where a corner is farther outside than from the point in question,
+    that point is outside too, and its distance isn't asked for.
+
+    Args:
+        garment: [m], shape (T, V, 3), finite.
+        faces: Its faces, shape (F, 3).
+        distances: Of its vertices, as `signed_distances` gives them, shape (T, V).
+        body, body_faces: As for `signed_distances`.
+
+    Returns:
+        [m], float32, shape (T, E + F); +inf where it isn't asked for.
+    """
+    points, wanted = [], []
+    for corners in (unique_edges(faces), faces):
+        at = garment[:, corners].mean(axis=2)
+        way = np.linalg.norm(garment[:, corners] - at[:, :, None], axis=-1)
+        points.append(at)
+        wanted.append((distances[:, corners] <= way).all(axis=2))
+    return signed_distances(np.concatenate(points, 1), body, body_faces, np.concatenate(wanted, 1))
 
 
 @wp.func
@@ -76,11 +110,18 @@ def _query(
     border: wp.array[int],
     closed: bool,
     points: wp.array[wp.vec3],
+    asked: wp.array[int],
     near: wp.array[int],
     distances: wp.array[float],
 ):
-    """near: the nearest face in the frame before, which bounds the search; -1: not known."""
+    """asked: 0 where the distance isn't wanted.
+
+    near: the nearest face in the frame before, which bounds the search; -1: not known."""
     i = wp.tid()
+    if asked[i] == 0:
+        near[i] = -1
+        distances[i] = wp.inf
+        return
     reach = float(_FARTHEST)
     if near[i] >= 0:
         reach = 1.01 * distance_to_face(mesh, near[i], points[i]) + 1.0e-3

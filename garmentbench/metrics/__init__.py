@@ -3,7 +3,11 @@
 from garmentbench.errors import unknown_name
 from garmentbench.metrics.change import CHANGE
 from garmentbench.metrics.difference import DIFFERENCES
+from garmentbench.metrics.dihedral_rms import DIHEDRAL_RMS
+from garmentbench.metrics.displacement_spectrum import DISPLACEMENT_SPECTRUM
 from garmentbench.metrics.energy_left import ENERGY_LEFT
+from garmentbench.metrics.ensemble import ENERGY_SCORE, ERROR, ERROR_OVER_SPREAD
+from garmentbench.metrics.faces_inside import FACES_INSIDE, SKIN_FRAMES
 from garmentbench.metrics.interpenetration import INTERPENETRATION, INTERPENETRATION_BEFORE
 from garmentbench.metrics.interpenetration_strict import DEPTH_P95, INTERPENETRATION_STRICT
 from garmentbench.metrics.jitter import JITTER
@@ -11,8 +15,11 @@ from garmentbench.metrics.l2 import ONE_STEP_L2, ROLLOUT_L2
 from garmentbench.metrics.liveliness import LIVELINESS
 from garmentbench.metrics.metric import Metric, Motion, scores
 from garmentbench.metrics.ms_per_frame import TIMES
+from garmentbench.metrics.normal_angle import NORMAL_ANGLE
+from garmentbench.metrics.push_growth import PUSH_GROWTH
 from garmentbench.metrics.self_intersection import CROSSING_FACES_MAX, SELF_INTERSECTION
 from garmentbench.metrics.skill import SKILL
+from garmentbench.metrics.spread import SPREAD
 from garmentbench.metrics.stable_frames import STABLE_FRAMES
 from garmentbench.metrics.strain import STRAIN_MEAN, STRAIN_P95, STRAIN_P99_MAX
 
@@ -23,6 +30,9 @@ METRICS = {  # what every roll-out is scored by
     for m in (
         ROLLOUT_L2,
         ONE_STEP_L2,
+        ERROR,
+        ERROR_OVER_SPREAD,
+        ENERGY_SCORE,
         STABLE_FRAMES,
         SELF_INTERSECTION,
         STRAIN_P95,
@@ -31,7 +41,12 @@ METRICS = {  # what every roll-out is scored by
         INTERPENETRATION,
         INTERPENETRATION_STRICT,
         DEPTH_P95,
+        FACES_INSIDE,
+        SKIN_FRAMES,
         INTERPENETRATION_BEFORE,
+        DIHEDRAL_RMS,
+        NORMAL_ANGLE,
+        DISPLACEMENT_SPECTRUM,
         *TIMES,
     )
 }
@@ -39,6 +54,8 @@ STUDY_METRICS = {  # numbers that only some table has; their `compute` takes wha
     m.name: m
     for m in (
         SKILL,
+        SPREAD,
+        PUSH_GROWTH,
         CHANGE,
         *DIFFERENCES,
         ENERGY_LEFT,

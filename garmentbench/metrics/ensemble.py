@@ -9,7 +9,7 @@ The energy score (Gneiting and Raftery 2007, "Strictly proper scoring rules") is
 answer, with the distance of each vertex by itself. In one scene it ranks as `error` does; between scenes it says what
 is left when the cloth's own chance is taken off. No prediction has less than 0 if the runs are many.
 
-When they lie. A smooth average of all folds errs by less than any single run (down to half the spread; about 0.7 of
+When it lies. A smooth average of all folds errs by less than any single run (down to half the spread; about 0.7 of
 it where distances are like those of a normal distribution), so an error over the spread below 1 is no feat by itself:
 read `liveliness` beside it. The runs begin where their own past has left them, the prediction from three frames of
 the first: where that matters more than what comes after, `error` blames the prediction for the start. Where the

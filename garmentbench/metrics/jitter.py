@@ -33,4 +33,4 @@ def jitter(
     return float(np.maximum(excess, 0).mean(dtype=np.float64))
 
 
-JITTER = Metric("jitter", "m/s^2", "jitter", lambda m: jitter(m.predicted, m.reference, m.template.fps))
+JITTER = Metric("jitter", "m/s^2", "jitter", lambda m: jitter(m.predicted, m.reference, m.template.fps), compares=True)

@@ -2,15 +2,16 @@
 
     l2 = 100 / (T V) sum_t sum_i |x_ti - y_ti|    [cm], x predicted and y reference positions [m]
 
-`one_step_l2` is the l2 of predictions that each start from three true frames (teacher-forced); `rollout_l2` is that of
-a free-running roll-out over its first k predicted frames, k being the column `horizon`.
+`one_step_l2` is the l2 of predictions that each start from three true frames (teacher-forced); `rollout_l2` is that
+of a free-running roll-out over its first k predicted frames, k being the column `horizon`.
 
 When it lies. Vertices that slide along the cloth count as errors though nobody sees them, and a smooth average of all
-possible folds scores better than sharp folds in the wrong place: read `liveliness` beside it. Dense regions of the mesh
-weigh more than coarse ones. Below the reference's own `uncertainty` a difference means nothing, and a free
-roll-out whose error is below it is marked: who predicts the reference better than the simulator can repeat it may have
-read it. The paper doesn't define
-its L2; this one is ours.
+possible folds scores better than sharp folds in the wrong place: read `liveliness` beside it. Dense regions of the
+mesh weigh more than coarse ones. The reference is one run of a simulator: where cloth is chaotic another run is as
+right, and `error` is measured against all of them. A difference below the `spread` means nothing. A free roll-out
+that over its whole length is nearer to this one run than half the spread is marked: by the triangle inequality no
+prediction that doesn't know the run comes so near on average, so it may have read it. The paper doesn't define its
+L2; this one is ours.
 """
 
 import numpy as np
@@ -31,5 +32,5 @@ def l2(predicted: Float[np.ndarray, "frames vertices 3"], reference: Float[np.nd
     return float(frame_l2(predicted, reference).mean())
 
 
-ROLLOUT_L2 = Metric("rollout_l2", "cm", "roll-out", lambda m: l2(m.predicted, m.reference), whole=False)
+ROLLOUT_L2 = Metric("rollout_l2", "cm", "roll-out", lambda m: l2(m.predicted, m.reference), whole=False, compares=True)
 ONE_STEP_L2 = Metric("one_step_l2", "cm", "1-step", lambda m: l2(m.predicted, m.reference), whole=False)

@@ -80,4 +80,5 @@ LIVELINESS = Metric(
     "liveliness",
     lambda m: liveliness(m.predicted, m.reference, m.body, cloth_at_rest(m.template.garment), m.template.garment.faces),
     best="one",
+    compares=True,
 )

@@ -54,6 +54,17 @@ class Motion:
         return signed_distances(self.predicted, body, template.faces)
 
     @cached_property
+    def distances_between(self) -> Float[np.ndarray, "frames points"]:
+        """The same of the middles of the garment's edges and the centres of its faces, shape (T, E + F); +inf where the
+        corners are so far outside that these can't be inside. There must be a body."""
+        from garmentbench.geometry.signed_distance import signed_distances_between
+
+        body, template = self.body, self.template.body
+        assert body is not None and template is not None
+        garment = self.template.garment
+        return signed_distances_between(self.predicted, garment.faces, self.distances, body, template.faces)
+
+    @cached_property
     def crossing(self) -> Bool[np.ndarray, "frames faces"]:
         """Which of the garment's faces cross another, shape (T, F)."""
         from garmentbench.geometry.crossing import crossing_faces
@@ -75,6 +86,8 @@ class Metric:
         best: "low", "high", or "one" (the nearer to 1 the better).
         whole: It needs the shape of the whole roll-out: NaN where that ended early. The reference has a value of its
             own.
+        compares: It compares with the reference's first run, and another run of the simulator in the prediction's place
+            is shown beside it.
     """
 
     name: str
@@ -84,6 +97,7 @@ class Metric:
     applies: Callable[[Motion], bool] = lambda motion: True
     best: str = "low"
     whole: bool = True
+    compares: bool = False
 
 
 def has_inside(motion: Motion) -> bool:

@@ -83,9 +83,9 @@ def _bearing(t: np.ndarray) -> Bearing:
         amplitude = 36 * (1 + 0.08 * drift(cycles, k))
         arms |= {
             f"swing.{side}": 4 - sign * amplitude * back,
-            f"space.{side}": 24 + 1.5 * drift(cycles, 2 + k),
+            f"space.{side}": 27 + 1.5 * drift(cycles, 2 + k),
             f"elbow.{side}": 25 + strength * (65 - 14 * sign * back),
-            f"roll.{side}": -12 * strength,
+            f"roll.{side}": -6 * strength,
         }
     return arms | {
         "lean": 3 + strength * (7 + 0.7 * drift(cycles, 4)),

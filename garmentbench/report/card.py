@@ -122,6 +122,8 @@ FACTS = (
     _score("interpenetration", PENETRATION, "behind the nearest body vertex's plane"),
     _score("interpenetration_strict", PENETRATION, "strict, by signed distance"),
     _score("depth_p95", PENETRATION, "depth of those, 95th percentile"),
+    _score("faces_inside", PENETRATION, "of the middles of edges and faces"),
+    _score("skin_frames", PENETRATION, "frames with skin more than 0.5 mm through"),
     _score("self_intersection", SELF, "faces that cross another"),
     _score("crossing_faces_max", SELF, "most in one frame"),
     Fact("self_contact", SELF, "self-contact is simulated", YES_NO, _noted("simulation", "settings", "self_contact")),
@@ -129,7 +131,7 @@ FACTS = (
     _score("strain_p99_max", STRAIN, "largest 99th percentile"),
     Fact("first_bad_frame", STRAIN, "first unstable frame", "", _noted("simulation", "first_bad_frame")),
 )
-NEEDS_INSIDE = frozenset({"interpenetration", "interpenetration_strict", "depth_p95"})
+NEEDS_INSIDE = frozenset({"interpenetration", "interpenetration_strict", "depth_p95", "faces_inside", "skin_frames"})
 
 
 def card_of(sequence: Sequence) -> Card:

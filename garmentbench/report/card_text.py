@@ -9,6 +9,7 @@ from garmentbench.report.card import COST, FACTS, NEEDS_INSIDE, SECTIONS, SPREAD
 
 LIMITS = (  # what makes a flaw: a fact, the most it may be, and how it is said
     ("interpenetration_strict", 0.1, "{0:.2g} % of the garment's vertices lie inside the body, more than {1:g} %."),
+    ("skin_frames", 2.0, "In {0:.0f} % of the frames skin is more than 0.5 mm through, more than {1:g} %."),
     ("spread", 1.0, "Two runs of it are {0:.2g} cm apart, more than {1:g} cm."),
     ("runs_broken", 0.0, "{0:.0f} of its further runs broke."),
     (

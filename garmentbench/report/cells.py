@@ -53,18 +53,19 @@ def status_cell(line: Line) -> Cell:
 def best(values: list[Value | None], name: str) -> Value | None:
     """The value that is better than every other beyond doubt; None where there is none.
 
-    Beyond doubt: the two differ by more than the reference's uncertainty, their intervals over the seeds do not
-    overlap, and neither comes from a single training with chance in it, of which nobody knows how far another would
-    move it. What failed in some seeds, or has a note, doesn't compete; where the uncertainty isn't known nothing is
-    best.
+    Beyond doubt: it differs from every other by more than the spread (what another run of the simulator errs by), their
+    intervals over the seeds do not overlap, and neither comes from a single training with chance in it, of which nobody
+    knows how far another would move it. Nothing is best below the spread: what errs by no more than another run of the
+    simulator can't be told from it, and all such values are a tie. What failed in some seeds, or has a note, doesn't
+    compete; where the spread isn't known nothing is best.
     """
     merit = {"low": lambda x: -x, "high": lambda x: x, "one": lambda x: -abs(x - 1.0)}[metric(name).best]
     running = competing(values)
     if len(running) < 2 or not all(v.settled for v in running):
         return None
     first, *others = sorted(running, key=lambda v: -merit(v.mean))
-    clear = all(abs(first.mean - v.mean) > max(first.uncertainty, _both_intervals(first, v)) for v in others)
-    return first if clear and not math.isnan(first.uncertainty) else None
+    clear = all(abs(first.mean - v.mean) > max(first.spread, _both_intervals(first, v)) for v in others)
+    return first if clear and first.mean > first.spread else None  # neither holds of NaN
 
 
 def competing(values: list[Value | None]) -> list[Value]:

@@ -14,15 +14,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from garmentbench.errors import UserError
+from garmentbench.evaluation.another_run import ANOTHER_RUN
 from garmentbench.evaluation.results import COLUMNS, notes
 
 if TYPE_CHECKING:
     from garmentbench.evaluation.excerpt import Excerpt
 
-NUMBERS = ("train_frames", "seed", "horizon", "value", "reference_value", "uncertainty", "first_bad_frame")
+NUMBERS = ("train_frames", "seed", "horizon", "value", "reference_value", "spread", "first_bad_frame")
 Frame = Any  # a pandas.DataFrame, whose types don't follow what is selected from it
 REFERENCE = "reference"  # the method name of the reference simulation's own lines
-ADDED = ("train_scenes", "note")  # columns that an older results.csv lacks
+SIMULATED = (REFERENCE, ANOTHER_RUN)  # lines in which nothing was trained
+ADDED = ("train_scenes", "note", "spread")  # columns that an older results.csv lacks
 
 
 @dataclass(frozen=True)
@@ -35,7 +37,7 @@ class Value:
         endings: Status and first bad frame of every seed without a value ("diverged at frame 37", "failed").
         seeds: How many seeds there are.
         reference: The reference's own value, or NaN.
-        uncertainty: The reference's uncertainty [cm], or NaN.
+        spread: What another run of the simulator errs by over the same frames [cm], or NaN.
         settled: Is it known how far another training would change it? Not where chance was in the only one.
         notes: What a reader must know of it, of any seed's (see `garmentbench.evaluation.results`).
     """
@@ -45,7 +47,7 @@ class Value:
     endings: tuple[str, ...]
     seeds: int
     reference: float
-    uncertainty: float
+    spread: float
     settled: bool = True
     notes: tuple[str, ...] = ()
 
@@ -102,7 +104,14 @@ def label(line: Line) -> str:
 def order(line: Line) -> tuple:
     """Lines of a method together, its full variant first, then by training length."""
     plain = line.variant == "full"
-    return line.method != REFERENCE, line.method, not plain, line.train_frames or 0, line.variant, line.scene
+    return (
+        *(line.method != m for m in SIMULATED),
+        line.method,
+        not plain,
+        line.train_frames or 0,
+        line.variant,
+        line.scene,
+    )
 
 
 class Results:
@@ -134,7 +143,7 @@ class Results:
             about["train_frames"] = None if math.isnan(about["train_frames"]) else int(about["train_frames"])
             line = Line(**about, rows=group)
             trained = next((self.training(run) for run in line.run_ids), {})
-            random = trained.get("results", {}).get("random", line.method != REFERENCE)
+            random = trained.get("results", {}).get("random", line.method not in SIMULATED)
             lines.append(replace(line, random=random, label=label(line)))
         return sorted(lines, key=order)
 
@@ -181,7 +190,7 @@ def _value(rows: Frame, random: bool) -> Value:
         endings=tuple(ending(row) for row in ended.itertuples()),
         seeds=len(rows),
         reference=float(rows.reference_value.iloc[0]),
-        uncertainty=float(rows.uncertainty.iloc[0]),
+        spread=float(rows.spread.iloc[0]),
         settled=len(finite) > 1 or not random,
         notes=tuple(notes(rows.note)),
     )

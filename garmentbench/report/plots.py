@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from garmentbench.evaluation.excerpt import Excerpt
 
 COLOURS = {
+    "another run": "#444444",
     "skinning": "#8c8c8c",
     "hold": "#56b4e9",
     "constant velocity": "#cc79a7",
@@ -136,12 +137,14 @@ def logarithmic(axis) -> None:
 
 
 def _floor(axes: "Axes", lines: list[Line]) -> None:
-    """The reference's uncertainty, shaded: below it errors mean nothing."""
-    known = [v.uncertainty for v in (line.value("rollout_l2") for line in lines) if v and np.isfinite(v.uncertainty)]
+    """The spread, shaded: below it errors mean nothing."""
+    known = [v.spread for v in (line.value("rollout_l2") for line in lines) if v and np.isfinite(v.spread)]
     low, high = axes.get_ylim()
     if known:
         low = min(low, 0.6 * known[0])
-        axes.axhspan(low, known[0], color=FLOOR, zorder=0, label=f"the reference's uncertainty, {known[0]:.2g} cm")
+        axes.axhspan(
+            low, known[0], color=FLOOR, zorder=0, label=f"the spread of the reference's runs, {known[0]:.2g} cm"
+        )
     axes.set_ylim(low, 1.15 * high)
 
 

@@ -12,6 +12,7 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
+from garmentbench.evaluation.another_run import ANOTHER_RUN
 from garmentbench.report.lines import Line, Results
 from garmentbench.report.page import Picture, Section
 from garmentbench.report.plots import STYLE, logarithmic, style, svg
@@ -106,6 +107,8 @@ def runs_json(lines: list[Line], results: Results) -> bytes:
 def command(record: dict[str, Any]) -> str:
     """The command that makes a run, from its run.json."""
     identity = record.get("identity", {})
+    if record.get("kind") == ANOTHER_RUN:
+        return f"garmentbench simulate {identity['scene']} --preset {identity['preset']}"
     if record.get("kind") != "evaluate":
         return f"garmentbench evals {record.get('kind', '')} --preset {identity.get('preset', '')}" if record else ""
     scenes = identity.get("train_scenes", [])

@@ -12,6 +12,7 @@ import numpy as np
 
 from garmentbench import paths
 from garmentbench.errors import UsageError, UserError
+from garmentbench.scenes.anny_shape import Bones, close_over_eye, relax_hands
 from garmentbench.scenes.bodies import body_file, body_names
 from garmentbench.storage.atomic import written_whole
 
@@ -101,15 +102,38 @@ def largest_component(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def rest_shape(
     model: "anny.Anny", shape: Phenotype, kept: np.ndarray, heads: list[int]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Rest vertices and joints [m], feet on z = 0, the pelvis at x = y = 0."""
+    """Rest vertices and joints [m], feet on z = 0, the pelvis at x = y = 0; hands at ease, eyes in.
+
+    Args:
+        model: Anny's.
+        shape: Which body.
+        kept: Its vertices that are the skin, sorted; in what is left out, the eyeballs are found.
+        heads: The bone whose head each joint is.
+    """
     import torch
 
     with torch.no_grad():
         made = model.forward(phenotype_kwargs={k: torch.tensor([v]) for k, v in asdict(shape).items()})
-    vertices = made["rest_vertices"][0].double().numpy()[kept]
-    joints = made["rest_bone_heads"][0].double().numpy()[heads]
-    origin = np.array([joints[0, 0], joints[0, 1], vertices[:, 2].min()])
-    return vertices - origin, joints - origin
+    vertices = made["rest_vertices"][0].double().numpy()
+    bones = Bones(model.bone_labels, made["rest_bone_heads"][0].double().numpy(), bone_weights(model))
+    number = np.full(len(vertices), -1)
+    number[kept] = np.arange(len(kept))
+    faces = number[model.get_triangular_faces().numpy()]
+    skin, faces = relax_hands(vertices, bones)[kept], faces[(faces >= 0).all(axis=1)]
+    for eye in ("eye.L", "eye.R"):
+        eyeball = np.setdiff1d(np.flatnonzero(bones.weights[:, bones.names.index(eye)] > 0.5), kept)
+        skin = close_over_eye(skin, faces, vertices[eyeball])
+    joints = bones.heads[heads]
+    origin = np.array([joints[0, 0], joints[0, 1], skin[:, 2].min()])
+    return skin - origin, joints - origin
+
+
+def bone_weights(model: "anny.Anny") -> np.ndarray:
+    """Anny's blend weights, shape (vertices, bones)."""
+    weights = model.vertex_bone_weights.numpy()
+    full = np.zeros((len(weights), len(model.bone_labels)))
+    np.add.at(full, (np.arange(len(full))[:, None], model.vertex_bone_indices.numpy()), weights)
+    return full
 
 
 def bake_body(name: str, shape: Phenotype) -> list[Path]:

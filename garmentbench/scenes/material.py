@@ -46,7 +46,7 @@ class Material:
 
 @dataclass(frozen=True)
 class Settings:
-    """The solver. Nothing here should change a result by more than the reference's uncertainty.
+    """The solver. Nothing here should change a result by more than the spread of the reference's runs.
 
     The frequency caps are multiples of the mesh's own median frequency: they soften slivers (which would set the step
     for everybody) and nothing else. So a stiffer cloth is as much stiffer as it says, at the price of more substeps; an

@@ -11,7 +11,7 @@ class MeshSize:
 
     Attributes:
         name: "smoke", "laptop", "desktop" or "paper"; baked garments are in files `<garment>-<size>.npz`.
-        body_size: Which baked body: "small" (about 3,500 vertices) or "full" (13,348).
+        body_size: Which baked body: "small" (5,414 vertices) or "full" (13,348).
         frame_limit: No sequence is longer than this, in frames; None for as long as its scene says.
     """
 

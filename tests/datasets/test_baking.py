@@ -1,4 +1,4 @@
-"""Baking garments: even meshes in the plane, panels that meet, and skirts that are remade as they lie in datasets/."""
+"""Baking: even meshes in the plane, panels that meet, skirts remade as they lie in datasets/, fewer vertices."""
 
 import sys
 
@@ -131,3 +131,52 @@ def test_the_over_skirt_bakes_the_same_twice():
     for key, values in once.items():
         np.testing.assert_array_equal(values, twice[key])
     assert len(once["rest"]) == pytest.approx(400, rel=0.03)
+
+
+def ball() -> "tuple[np.ndarray, np.ndarray]":
+    from trimesh.creation import icosphere
+
+    sphere = icosphere(subdivisions=3)
+    return np.asarray(sphere.vertices), np.asarray(sphere.faces)
+
+
+@pytest.mark.parametrize("by", ["length", "error"])
+def test_fewer_vertices_are_still_a_closed_ball(by):
+    from decimation import Surface, by_error, by_length
+    from trimesh import Trimesh
+
+    points, faces = ball()
+    surface = Surface(points, faces)
+    cost = by_length if by == "length" else by_error
+    surface.collapse(np.ones(len(points), bool), 160, cost(np.ones(len(points))))
+    fewer = Trimesh(*surface.result(), process=False)
+    assert len(fewer.vertices) == 160 and fewer.is_watertight and fewer.euler_number == 2
+    assert fewer.volume > 0.9 * 4 / 3 * np.pi
+    assert np.degrees(fewer.face_angles.min()) > 12
+
+
+def test_what_is_left_out_stays_and_a_flat_side_goes_before_a_curved_one():
+    from decimation import Surface, by_error
+
+    points, faces = ball()
+    cut = np.column_stack([points[:, :2], np.minimum(points[:, 2], 0.5)])  # a flat top
+    kept = points[:, 2] < -0.5
+    surface = Surface(cut, faces)
+    surface.collapse(~kept, 300, by_error(np.ones(len(cut))))
+    left, _ = surface.result()
+    assert (left[:, 2] < -0.5).sum() == kept.sum()
+    top, side = (
+        [part(points[:, 2]).sum() for points in (left, cut)]
+        for part in (lambda z: z > 0.499, lambda z: np.abs(z) < 0.499)
+    )
+    assert top[0] / top[1] < 0.3 and side[0] / side[1] > 0.7
+
+
+def test_little_of_the_sky_is_seen_from_a_pit():
+    from sight import sky
+
+    points, faces = ball()
+    pit = points[:, 2] > 0.9
+    dented = np.where(pit[:, None], [0.3, 0.3, -0.6], [1.0, 1.0, 1.0]) * points
+    assert sky(dented, faces)[pit].max() < 0.2
+    assert sky(points, faces).min() > 0.98

@@ -60,6 +60,8 @@ def test_an_own_method_gets_into_a_table_by_a_declaration(folder, capsys):
     report = folder.parent / "home" / "reports" / "ponds-smoke"
     rows = pandas.read_csv(report / "results.csv")
     compared = rows[rows.experiment == "ponds"]
+    another, compared = compared[compared.method == "another_run"], compared[compared.method != "another_run"]
+    assert {"error", "rollout_l2", "push_growth"} <= set(another.metric)
     assert set(compared.method) == {"skinning", "still_water"} and set(compared.status) == {"ok"}
     assert set(compared.train_scenes) == {"sheet-stick-a"}
     table = (report / "tables" / "ponds-sheet-stick-b.md").read_text()
@@ -100,6 +102,18 @@ def test_several_scenes_and_finished_files_serve_too(folder):
     assert {row.train_scenes for row in work.rows(failures)} == {"sheet-stick-a+sheet-stick-b"}
     assert {(row.scene, row.motion, row.split) for row in work.rows(failures)} == {("own", "fall", "test")}
     assert ("sequence", "sheet-stick-b") in work.jobs and ("sequence", "own") in work.jobs
+
+
+def test_a_training_set_may_be_named(folder):
+    """Its scenes are trained on together; rows call it by its name and count the frames of all of them."""
+    toml = TOML.replace('"sheet-stick-a"]', '"dress@walk-dance"]').replace('["sheet-stick-b"]', '["dress-armspace-90"]')
+    (folder / "ponds.toml").write_text(toml)
+    (experiment,) = read_experiments(folder / "ponds.toml")
+    work = experiment.work(preset("laptop"), 1)
+    simulated = {key[1] for key in work.jobs if key[0] == "sequence"}
+    assert simulated == {"dress-armspace-75", "dress-dance-latin", "dress-armspace-90"}
+    rows = work.rows({key: Failure("not", "run") for key in work.jobs})
+    assert {(row.train_scenes, row.train_frames) for row in rows} == {("dress@walk-dance", 1290)}
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from garmentbench.cli import main
 from garmentbench.errors import UsageError
 from garmentbench.evaluation.toy import tiny_sequence
 from garmentbench.methods import load_method
-from garmentbench.pipeline import choose_method, default_training_scene
+from garmentbench.pipeline import choose_method, default_training_scene, train
 from garmentbench.reference import resolve_source
 from garmentbench.scenes.presets import preset
 from garmentbench.scenes.wardrobe import load_scene
@@ -53,6 +53,24 @@ def test_several_training_scenes_are_typed_one_by_one(files, capsys):
     assert typed(capsys, "train", "linear_subspace", "--scene", "one.h5", "--scene", "two.h5", *SMALL)[0] == 0
     assert len(store.list({"kind": "train"})) == 1  # the same training
     assert "one+two" in typed(capsys, "runs")[1]
+
+
+def test_of_scenes_in_a_training_set_as_many_frames_are_taken_as_it_says(files, monkeypatch):
+    """... and of others as many as are asked for."""
+    seen = []
+    choice, size = choose_method("hold", "full", preset("smoke")), preset("smoke")
+    monkeypatch.setattr(choice.method, "fit", classmethod(lambda cls, train, c, r: seen.extend(train) or cls(c)))
+    sources = [resolve_source("one.h5"), resolve_source("two.h5")]
+    run = train(choice, sources, size, 12, 0, RunStore(), {"two": 15})
+    assert [len(sequence) for sequence in seen] == [12, 15] and run.identity["train_frames"] == [12, 15]
+    assert train(choice, sources, size, 12, 0, RunStore(), {"two": 12}).identity["train_frames"] == 12
+
+
+@pytest.mark.parametrize("option", ["--scene", "--train-scene"])
+def test_a_training_set_that_does_not_exist_is_told(files, capsys, option):
+    command = ("train", "hold") if option == "--scene" else ("evaluate", "hold")
+    code, out, lines = typed(capsys, *command, option, "dress@vried", *SMALL)
+    assert code == 2 and out == "" and len(lines) == 1 and "did you mean 'varied'" in lines[0]
 
 
 def test_training_scenes_of_different_garments_are_refused_by_name(files, capsys):
@@ -104,19 +122,20 @@ def test_the_class_is_called_by_its_name_in_runs_and_tables(files, capsys):
 
 
 def test_what_must_be_known_of_a_number_stands_beside_it(files, capsys):
-    """The reference's own value and uncertainty (N2), a method that reads the reference (N7), a time under load
+    """The reference's own value and spread (N2), a method that reads the reference (N7), a time under load
     (N12)."""
     test = sequence_file.load(files / "test.h5")
-    info = test.info | {"ensemble": {"spread_cm": 0.25}}
-    sequence_file.save(replace(test, info=info), files / "test.h5")
+    another = test.garment[None] + np.float32([0.0025, 0, 0])
+    sequence_file.save(replace(test, runs=another), files / "test.h5")
     scenes = ("--train-scene", "one.h5", "--scene", "test.h5")
     _, out, _ = typed(capsys, "evaluate", "foreign_methods:KnowsTheAnswer", *scenes, *SMALL)
     rows = {line.split()[0]: line.split() for line in out.splitlines()}
-    assert "uncertainty" in rows["metric"] and rows["rollout_l2"][2:4] == ["0", "0.25"]
+    assert "spread" in rows["metric"] and rows["rollout_l2"][2:4] == ["0", "0.25"]
     assert float(rows["strain_p95"][-2]) > 0 and rows["liveliness"][-2] == "1"
-    assert "warning: rollout_l2: below the reference's uncertainty: the reference itself" in out
+    assert rows["error"][2:4] == ["0.125", "0.25"] and rows["error_over_spread"][2] == "0.5"
+    assert "warning: " in out and "exactly the reference: no prediction hits" in out, out
     _, out, _ = typed(capsys, "evaluate", "foreign_methods:Waits", *scenes, *SMALL)
-    assert "below the reference's uncertainty" not in out
+    assert "exactly the reference" not in out
     assert "warning: ms_per_frame, ms_per_frame_p95" in out and "timed under load: wall time is far above" in out
     run = RunStore().list({"kind": "evaluate", "class": "foreign_methods:Waits"})[0]
     out = typed(capsys, "runs", "--compare", run.id, run.id)[1]
@@ -178,8 +197,8 @@ def test_a_step_that_returns_no_state_is_told_so(files, capsys):
 def test_a_test_on_a_training_scene_is_noted(files, capsys, method, noted):
     """By name or by content; a method that learns nothing is exempt."""
     shutil.copy(files / "one.h5", files / "same.h5")
-    for train in ("one.h5", "same.h5"):
-        scenes = ("--train-scene", train, "--train-scene", "two.h5", "--scene", "one.h5")
+    for learnt in ("one.h5", "same.h5"):
+        scenes = ("--train-scene", learnt, "--train-scene", "two.h5", "--scene", "one.h5")
         code, out, _ = typed(capsys, "evaluate", method, *scenes, *SMALL)
         assert code == 0 and ("trained on this scene: a training error" in out) == noted
     out = typed(capsys, "evaluate", method, "--train-scene", "two.h5", "--scene", "test.h5", *SMALL)[1]

@@ -17,14 +17,14 @@ from garmentbench.report.lines import COLUMNS
 FRAMES = 1150
 WALK = {"scene": "tshirt-armspace-90", "split": "test", "garment": "tshirt", "motion": "armspace-90", "body": "base"}
 STICK = {"scene": "sheet-stick-b", "split": "test", "garment": "sheet", "motion": "stick-b", "body": "stick"}
-SIMULATOR_MS, UNCERTAINTY = 60.0, 0.2
+SIMULATOR_MS, SPREAD = 60.0, 0.2
 SIMULATED = {
     "scene": "tshirt-armspace-90",
     "preset": "laptop",
     "split": "test",
     "motion": "armspace-90",
     "simulation": {"status": "ok", "ms_per_frame": SIMULATOR_MS},
-    "ensemble": {"spread_cm": UNCERTAINTY},
+    "ensemble": {"spread_cm": SPREAD},
 }
 
 
@@ -37,6 +37,10 @@ def write_example(root: Path, frames: int = 160) -> None:
     for method, error in methods:
         run = write_run(runs, walk, f"evaluate-{method}", error)
         rows += measured("baselines", WALK, method, "full", 0, error, run, before=False)
+    run = write_run(runs, walk, "another_run-walk", SPREAD)
+    about = {"run": run, "train_frames": None, "spread": SPREAD}
+    for name, value, unit in (("rollout_l2", SPREAD, "cm"), ("error", SPREAD, "cm"), ("push_growth", 14.4, "1")):
+        rows.append(row("baselines", WALK, "another_run", "full", 0, name, FRAMES, value, unit, **about))
     for seed, error in enumerate((0.60, 0.70, 0.65)):
         run = write_run(runs, walk, f"evaluate-full-{seed}", error)
         for experiment in ("baselines", "ablations"):
@@ -154,12 +158,13 @@ def measured(experiment, scene, method, variant, seed, error, run, bad=None, hum
             1,
             0.8 * error,
             "cm",
-            uncertainty=UNCERTAINTY,
             run=run,
             train_frames=train_frames,
         ),
-        make("rollout_l2", 0.9 * error, "cm", 50, needs_end=bad is not None and bad < 53, uncertainty=UNCERTAINTY),
-        make("rollout_l2", error, "cm", uncertainty=UNCERTAINTY),
+        make("rollout_l2", 0.9 * error, "cm", 50, needs_end=bad is not None and bad < 53, spread=SPREAD),
+        make("rollout_l2", error, "cm", spread=SPREAD),
+        make("error", 1.1 * error, "cm", spread=SPREAD),
+        make("error_over_spread", 1.1 * error / SPREAD, "1"),
         make("liveliness", 0.9, "1", reference=1.0),
         make("jitter", 1.5 * error, "m/s^2", reference=0.0),
         make("skill", 1 - error / 3.8, "1"),
@@ -184,7 +189,7 @@ def row(
     value,
     unit,
     reference=None,
-    uncertainty=None,
+    spread=None,
     status="ok",
     bad=None,
     run="",
@@ -203,7 +208,7 @@ def row(
         "value": value,
         "unit": unit,
         "reference_value": reference,
-        "uncertainty": uncertainty,
+        "spread": spread,
         "status": status,
         "first_bad_frame": bad,
         "run_id": run,

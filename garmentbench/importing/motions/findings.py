@@ -160,7 +160,6 @@ def arms_inside(clip: Clip, baked: BakedBody) -> float:
 
 _COLUMNS, _ROWS = 8, 3
 _TILE = (200, 290)
-_BOX = np.array([[-0.9, -0.9, 0.0], [0.9, 0.9, 2.1]])  # [m] round the body's place
 
 
 def contact_sheet(clip: Clip, baked: BakedBody, path: Path) -> None:
@@ -172,7 +171,8 @@ def contact_sheet(clip: Clip, baked: BakedBody, path: Path) -> None:
     clip = clip.from_origin(0)
     chosen = np.linspace(0, len(clip) - 1, _COLUMNS * _ROWS).round().astype(int)
     vertices = pose(baked, clip.rotations[chosen], clip.root[chosen] * [0.0, 0.0, 1.0])
-    tiles = [render([RenderMesh(v, baked.body.faces)], size=_TILE, focus=_BOX) for v in vertices]
+    box = np.stack([vertices.min(axis=(0, 1)), vertices.max(axis=(0, 1))])
+    tiles = [render([RenderMesh(v, baked.body.faces)], size=_TILE, focus=box) for v in vertices]
     rows = [np.concatenate(tiles[i : i + _COLUMNS], axis=1) for i in range(0, len(tiles), _COLUMNS)]
     with written_whole(path) as partial:
         Image.fromarray(np.concatenate(rows)).save(partial, format="PNG")

@@ -44,6 +44,10 @@ def study_rows(scene: dict, scale: float = 1.0) -> list[dict]:
     return rows
 
 
+def card_row(spread: float, scene: dict = WALK) -> dict:
+    return row("data", scene, "reference", "full", 0, "spread", None, spread, "cm", train_frames=None)
+
+
 def model_rows(error: float, scene: dict = WALK, run: str = "") -> list[dict]:
     values = ((50, 9.0), (1150, error))
     return [row("baselines", scene, "motion_guided", "full", 0, "rollout_l2", h, e, "cm", run=run) for h, e in values]
@@ -72,9 +76,10 @@ def test_an_error_that_does_not_fall_has_no_order():
 
 def test_the_verdict_is_a_third_of_the_full_model_s_error(tmp_path):
     rows = study_rows(WALK, scale=0.1) + study_rows(DRESS) + model_rows(0.6) + model_rows(0.9, DRESS)
+    rows += [card_row(0.05), card_row(0.8, DRESS)]
     text = markdown(trust_table(studies(read(tmp_path, rows))))
-    assert "| tshirt-armspace-90 | 1.00 | 0.07 | 0.09 | 0.6 | tshirt-armspace-90 | yes: 11.7 % |" in text
-    assert "| dress-armspace-90 | 1.00 | 0.7 | 0.9 | 0.9 | dress-armspace-90 | no: 77.8 % |" in text
+    assert "| tshirt-armspace-90 | 1.00 | 0.07 | 0.05 | 0.09 | 0.6 | tshirt-armspace-90 | yes: 11.7 % |" in text
+    assert "| dress-armspace-90 | 1.00 | 0.7 | 0.8 | 0.9 | 0.9 | dress-armspace-90 | no: 88.9 % |" in text
 
 
 def test_an_order_hidden_by_rounding_is_not_told(tmp_path):
@@ -83,7 +88,7 @@ def test_an_order_hidden_by_rounding_is_not_told(tmp_path):
         r | {"value": 0.06} if (r["variant"], r["metric"]) == ("start_1um", "difference") else r
         for r in study_rows(WALK)
     ]
-    hidden = studies(read(tmp_path, rows))
+    hidden = studies(read(tmp_path, [*rows, card_row(0.7)]))
     assert math.isnan(hidden[0].order) and "| tshirt-armspace-90 | none | 0.7 |" in markdown(trust_table(hidden))
     assert studies(read(tmp_path, study_rows(WALK)))[0].order == pytest.approx(1)
 
@@ -99,12 +104,17 @@ def test_another_scene_of_the_garment_will_do_and_then_the_one_with_the_smallest
     assert (found[0].model_error, found[0].model_scene) == (0.8, "tshirt-catwalk")
 
 
-def test_the_start_counts_where_it_is_worse_than_the_step(tmp_path):
-    rows = [
-        r | {"value": 2.5} if (r["variant"], r["metric"]) == ("start_1mm", "difference") else r
-        for r in study_rows(WALK)
-    ]
-    assert studies(read(tmp_path, rows))[0].uncertainty == 2.5
+def test_an_order_of_next_to_nothing_is_not_told(tmp_path):
+    """What the step changes is 0.0042 cm, at first order."""
+    found = studies(read(tmp_path, study_rows(WALK, scale=0.006)))
+    assert found[0].order == pytest.approx(1) and "| tshirt-armspace-90 | below 0.005 cm |" in markdown(
+        trust_table(found)
+    )
+
+
+def test_without_an_ensemble_the_spread_is_not_known(tmp_path):
+    found = studies(read(tmp_path, study_rows(WALK) + model_rows(0.6)))
+    assert math.isnan(found[0].spread) and "spread not known" in markdown(trust_table(found))
 
 
 def test_the_chosen_setting_is_marked_and_every_run_is_there(tmp_path):
@@ -114,7 +124,7 @@ def test_the_chosen_setting_is_marked_and_every_run_is_there(tmp_path):
     assert text.count("| tshirt-armspace-90 |") == 9
 
 
-def test_what_the_reference_depends_on_stands_beside_its_uncertainty(tmp_path):
+def test_what_the_reference_depends_on_stands_beside_what_changes_nothing(tmp_path):
     text = markdown(sensitivity_table(studies(read(tmp_path, study_rows(WALK)))))
     assert "| tshirt-armspace-90 | 0.7 |" + " 1.2 |" * len(OTHER_CLOTH) in text
 
@@ -141,8 +151,8 @@ def test_the_report_has_both_studies(tmp_path):
         study_rows(WALK)
         + model_rows(0.6, run=write_run(tmp_path / "runs", sequence, "evaluate-1", 0.6))
         + [
-            row(*about, "difference", 90, 1.5, "cm", uncertainty=0.014, train_frames=None, run=run),
-            row(*about, "difference_p95", 90, 3.25, "cm", uncertainty=0.014, train_frames=None, run=run),
+            row(*about, "difference", 90, 1.5, "cm", spread=0.014, train_frames=None, run=run),
+            row(*about, "difference_p95", 90, 3.25, "cm", spread=0.014, train_frames=None, run=run),
             row(*about, "interpenetration_strict", 90, 0.09, "%", reference=0.0, train_frames=None, run=run),
             row(*about, "ms_per_frame", 90, 656.0, "ms", reference=21.3, train_frames=None, run=run),
             row(*about, "match_hanging", 90, 0.4, "%", train_frames=None, run=run),

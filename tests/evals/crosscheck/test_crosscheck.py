@@ -53,7 +53,7 @@ def test_rows_have_the_distance_its_doubt_and_the_match(engine):
     rows = finished_rows(STUDY, SMOKE)
     values = {(r.variant, r.metric): r for r in rows}
     plain = values["full", "difference"]
-    assert plain.value > 1 and plain.unit == "cm" and plain.uncertainty >= 0 and plain.method == "newton_vbd"
+    assert plain.value > 1 and plain.unit == "cm" and plain.spread >= 0 and plain.method == "newton_vbd"
     assert values["full", "ms_per_frame"].value == 600 and 0 < values["full", "ms_per_frame"].reference_value < 600
     assert values["full", "match_hanging"].value == pytest.approx(0.4)
     assert values["full", "match_cantilever"].value == pytest.approx(1.25)

@@ -7,14 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from garmentbench.evaluation.results import BELOW_UNCERTAINTY, COLUMNS, EXACTLY_ZERO, UNDER_LOAD, Row
+from garmentbench.evaluation.results import BELOW_HALF_SPREAD, COLUMNS, EXACTLY_ZERO, RUN_BROKE, UNDER_LOAD, Row
 from garmentbench.evaluation.rollout import RollOut
 from garmentbench.evaluation.score import score
 from garmentbench.evaluation.toy import tiny_sequence
 from garmentbench.metrics import METRICS, metric
 from garmentbench.reference import reference_scores
 
-BODY_METRICS = {"interpenetration", "interpenetration_strict", "depth_p95"}
+ENSEMBLE = {"error", "error_over_spread", "energy_score"}
+BODY_METRICS = {"interpenetration", "interpenetration_strict", "depth_p95", "faces_inside", "skin_frames"}
 TIMES = {"ms_per_frame", "ms_per_frame_p95", "ms_prepare", "ms_predict", "ms_collide"}
 OTHERS = {
     "rollout_l2",
@@ -24,6 +25,9 @@ OTHERS = {
     "jitter",
     "liveliness",
     "stable_frames",
+    "dihedral_rms",
+    "normal_angle",
+    "displacement_spectrum",
 } | TIMES
 
 
@@ -42,20 +46,29 @@ def ended(roll, frame, status="diverged"):
     return replace(roll, garment=garment, ms=ms, status=status, first_bad_frame=frame, message="bad")
 
 
+def with_another_run(sequence, metres=0.002):
+    """A second run of it, that far away in x: the spread is that far."""
+    return replace(sequence, runs=sequence.garment[None] + np.float32([metres, 0, 0]))
+
+
 def by_name(rows):
     return {(r.metric, r.horizon): r for r in rows}
 
 
 def test_rows_of_a_whole_roll_out():
-    sequence = tiny_sequence(60)
-    sequence.info["ensemble"] = {"spread_cm": 0.2}
+    sequence = with_another_run(tiny_sequence(60))
     sequence.info["simulation"] = {"ms_per_frame": 44.0}
     rows = by_name(score(shifted(sequence), shifted(sequence, 0.005, "one_step"), sequence))
-    assert {m for m, _ in rows} == BODY_METRICS | OTHERS
-    assert [h for m, h in rows if m == "rollout_l2"] == [50, 60]
+    assert {m for m, _ in rows} == BODY_METRICS | OTHERS | ENSEMBLE
+    assert [h for m, h in rows if m == "rollout_l2"] == [h for m, h in rows if m == "error"] == [50, 60]
     assert rows["rollout_l2", 50].value == pytest.approx(1.0, rel=1e-4)
     assert rows["one_step_l2", 1].value == pytest.approx(0.5, rel=1e-4)
-    assert rows["rollout_l2", 60].uncertainty == rows["one_step_l2", 1].uncertainty == 0.2
+    for name, horizon in (("rollout_l2", 50), ("rollout_l2", 60), ("error", 50), ("error", 60), ("energy_score", 60)):
+        assert rows[name, horizon].spread == pytest.approx(0.2, rel=1e-3)
+    assert [rows["error", h].value for h in (50, 60)] == pytest.approx([(1.0 + 0.8) / 2] * 2, rel=1e-3)
+    assert rows["error_over_spread", 60].value == pytest.approx(0.9 / 0.2, rel=1e-3)
+    assert rows["energy_score", 60].value == pytest.approx(0.9 - 0.2 / 2, rel=1e-3)
+    assert rows["one_step_l2", 1].spread is None and rows["jitter", 60].spread is None
     assert rows["rollout_l2", 60].reference_value is None
     assert rows["jitter", 60].value == pytest.approx(0, abs=1e-3)
     assert rows["liveliness", 60].value == pytest.approx(1, abs=1e-4)
@@ -65,7 +78,6 @@ def test_rows_of_a_whole_roll_out():
     assert rows["ms_per_frame", 60].value == 6 and rows["ms_per_frame", 60].reference_value == 44.0
     assert rows["ms_collide", 60].value == 3
     assert all(r.unit == METRICS[r.metric].unit and r.status == "ok" for r in rows.values())
-    assert rows["rollout_l2", 60].uncertainty == 0.2 and rows["jitter", 60].uncertainty is None
 
 
 def test_the_horizon_is_over_predicted_frames():
@@ -176,18 +188,37 @@ def test_what_a_reference_keeps_is_under_the_metrics_names():
         assert rows[name, 20].reference_value == sequence.scores[name]
 
 
-@pytest.mark.parametrize(("metres", "note"), [(0.0, BELOW_UNCERTAINTY), (0.001, BELOW_UNCERTAINTY), (0.01, "")])
-def test_a_roll_out_nearer_than_the_reference_can_be_repeated_is_noted(metres, note):
-    """N7: a method that reads the reference gets 0 cm; the value stays."""
-    sequence = tiny_sequence(60)
-    sequence.info["ensemble"] = {"spread_cm": 0.2}
+@pytest.mark.parametrize(("metres", "note"), [(0.0, EXACTLY_ZERO), (0.0009, BELOW_HALF_SPREAD), (0.0011, "")])
+def test_a_roll_out_nearer_than_half_the_spread_is_noted(metres, note):
+    """N7: a method that reads the reference gets 0 cm; the value stays. Not so early: it knows the first frames."""
+    sequence = with_another_run(tiny_sequence(60))
     rows = by_name(score(shifted(sequence, metres), shifted(sequence, 0.00005, "one_step"), sequence))
-    assert rows["rollout_l2", 50].note == rows["rollout_l2", 60].note == note
+    assert rows["rollout_l2", 60].note == note
+    assert rows["rollout_l2", 50].note == ("" if metres else EXACTLY_ZERO)
     assert rows["rollout_l2", 60].value == pytest.approx(100 * metres, rel=1e-3)
     assert rows["one_step_l2", 1].note == ""  # three true frames are given: it may be nearer
-    sequence.info.pop("ensemble")
     unknown = "" if metres else EXACTLY_ZERO
-    assert by_name(score(shifted(sequence, metres), None, sequence))["rollout_l2", 60].note == unknown
+    assert by_name(score(shifted(sequence, metres), None, tiny_sequence(60)))["rollout_l2", 60].note == unknown
+
+
+def test_a_run_that_broke_is_left_out_from_the_horizon_on_in_which_it_did_and_noted():
+    sequence = tiny_sequence(60)
+    runs = np.stack([sequence.garment + np.float32([d, 0, 0]) for d in (0.002, 0.006)])
+    runs[1, 55:] = np.nan
+    rows = by_name(score(shifted(sequence), None, replace(sequence, runs=runs)))
+    assert rows["error", 50].value == pytest.approx((1.0 + 0.8 + 0.4) / 3, rel=1e-3)
+    assert rows["error", 50].spread == pytest.approx((0.2 + 0.6 + 0.4) / 3, rel=1e-3)
+    assert rows["error", 60].value == pytest.approx(0.9, rel=1e-3)
+    assert rows["error", 60].spread == pytest.approx(0.2, rel=1e-3)
+    assert (rows["error", 50].note, rows["error", 60].note) == ("", RUN_BROKE)
+    assert rows["energy_score", 60].note == RUN_BROKE and rows["rollout_l2", 60].note == rows["jitter", 60].note == ""
+
+
+def test_errors_of_a_roll_out_that_ended_early_are_those_of_the_frames_that_it_has():
+    sequence = with_another_run(tiny_sequence(60))
+    rows = by_name(score(ended(shifted(sequence), 54), None, sequence))
+    assert rows["error", 50].value == pytest.approx(0.9, rel=1e-3) and math.isnan(rows["error", 60].value)
+    assert math.isnan(rows["energy_score", 60].value) and math.isnan(rows["error_over_spread", 60].value)
 
 
 def test_times_taken_under_load_are_noted():
@@ -209,16 +240,11 @@ def test_a_row_is_kept_as_plain_values_and_read_back():
 
 
 @pytest.mark.parametrize(("metres", "note"), [(0.0, EXACTLY_ZERO), (0.00005, ""), (0.01, "")])
-@pytest.mark.parametrize("uncertainty", [{"spread_cm": 0.2}, None])
-def test_a_single_step_is_noted_where_it_makes_no_error_at_all(metres, note, uncertainty):
-    """An honest rule may beat the uncertainty there, which gathers over a whole run."""
+@pytest.mark.parametrize("metres_apart", [0.002, None])
+def test_a_single_step_is_noted_where_it_makes_no_error_at_all(metres, note, metres_apart):
+    """An honest rule may beat the spread there, which gathers over a whole run."""
     sequence = tiny_sequence(60)
-    if uncertainty:
-        sequence.info["ensemble"] = uncertainty
+    if metres_apart:
+        sequence = with_another_run(sequence, metres_apart)
     rows = by_name(score(shifted(sequence), shifted(sequence, metres, "one_step"), sequence))
     assert rows["one_step_l2", 1].note == note
-
-
-def test_no_error_at_all_is_noted_also_where_the_uncertainty_is_not_known():
-    sequence = tiny_sequence(60)
-    assert by_name(score(shifted(sequence, 0.0), None, sequence))["rollout_l2", 60].note == EXACTLY_ZERO

@@ -51,7 +51,7 @@ def positions(folder: Path, frames: int = 20, body: str = "base", file: str = "w
 @pytest.mark.parametrize("body", ["base", "heavy"])
 def test_warm_up_leads_from_rest_into_the_clip(folder, body):
     moving = positions(folder, body=body)
-    assert moving.shape == (WARM_UP + 20, 3502, 3)
+    assert moving.shape == (WARM_UP + 20, 5414, 3)
     np.testing.assert_allclose(moving[0], BASE.body.rest, atol=1e-7)
     assert np.abs(moving[1] - moving[0]).max() < 2e-3  # at rest, too
     acceleration = np.linalg.norm(np.diff(moving[: WARM_UP + 5], n=2, axis=0), axis=-1) * 30**2

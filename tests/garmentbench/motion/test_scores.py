@@ -101,6 +101,18 @@ def test_arms_keep_out_of_the_trunk(name):
             assert np.linalg.norm(skin - joint(baked, joints, end)[frame], axis=1).min() > 0.035
 
 
+@pytest.mark.parametrize("name", SCORES)
+def test_hands_leave_room_for_a_garment(name):
+    """Fingers keep 4 cm off trunk and thighs: a hand that grazes a shirt tears through it."""
+    baked, _, _, vertices = performed(name)
+    hands, skin = (
+        baked.weights[:, [baked.joint_names.index(n) for n in names]].sum(axis=1) > 0.6
+        for names in (("hand.L", "hand.R"), ("pelvis", "spine", "waist", "chest", "thigh.L", "thigh.R"))
+    )
+    for frame in range(0, FRAMES, 4):
+        assert cKDTree(vertices[frame, skin]).query(vertices[frame, hands])[0].min() > 0.04
+
+
 def flights(score: Score, end: float) -> list[tuple[float, float]]:
     """From when to when neither foot stands [s]."""
     edges = sorted([(p.land, 1) for foot in (score.left, score.right) for p in foot]

@@ -11,10 +11,11 @@ from garmentbench.cli import main
 from garmentbench.errors import UsageError
 from garmentbench.evaluation.toy import tiny_sequence
 from garmentbench.motion import human_motions, motion_names
-from garmentbench.reference import Reference
+from garmentbench.reference import Reference, reference_identity
 from garmentbench.scenes.bodies import body_names
 from garmentbench.scenes.choice import choose_scenes
 from garmentbench.scenes.garments import garment_names
+from garmentbench.scenes.presets import preset
 from garmentbench.scenes.scene import Scene
 from garmentbench.scenes.wardrobe import load_scene, scene_names, wardrobe
 
@@ -87,6 +88,27 @@ def test_scenes_lists_by_filter_and_shows_by_name(capsys):
     assert typed(capsys, "scenes", "tshirt-run") == (0, shown, "")
     code, out, _ = typed(capsys, "scenes", "show", "stress-far")
     assert "motion: armspace-90, translate (1000.0, 0.0, 0.0), turn 90.0\n" in out
+
+
+def test_a_scene_that_was_simulated_says_whether_it_is_contracting_or_chaotic(tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("GARMENTBENCH_HOME", str(tmp_path))
+    assert "simulated" not in typed(capsys, "scenes", "show", "sheet-stick-b")[1]
+    identity = reference_identity(load_scene("sheet-stick-b"), preset("smoke"))
+    runs = [{"name": name, "status": "ok"} for name in ("pushed_warm_up", "pushed_frame_0", "finer")]
+    info = {"made_from": identity, "runs": runs, "ensemble": {"spread_cm": 0.523, "push_growth": 14.4}}
+    save(tmp_path / "sequences" / "smoke", info)
+    save(tmp_path / "sequences" / "laptop", {"made_from": "another"})
+    (tmp_path / "sequences" / "paper").mkdir()
+    (tmp_path / "sequences" / "paper" / "sheet-stick-b.h5").write_bytes(b"")
+    lines = [line for line in typed(capsys, "scenes", "show", "sheet-stick-b")[1].splitlines() if "simulated" in line]
+    assert lines[0] == ("simulated, smoke: 4 runs, spread 0.52 cm, chaotic: a push of 1 mm is 14 mm in the last fifth")
+    assert lines[1] == "simulated, laptop (of another scene or code): one run"
+    assert lines[2].startswith("simulated, paper: ") and "an empty file" in lines[2] and len(lines) == 3
+
+
+def save(folder: Path, info: dict) -> None:
+    folder.mkdir(parents=True)
+    sequence_file.save(replace(tiny_sequence(), info=info), folder / "sheet-stick-b.h5")
 
 
 @pytest.mark.parametrize(

@@ -81,7 +81,9 @@ def test_hips_below_a_root_that_moves_are_where_bvhio_has_them(tmp_path):
         hierarchy.loadPose(frame)
         theirs = {joint.Name: np.array(joint.PositionWorld) for joint, _, _ in hierarchy.layout()}
         for name in ("Hips", "LeftFoot", "RightHand"):
-            np.testing.assert_allclose(positions[frame, recording.names.index(name)], theirs[name], atol=1e-4)
+            np.testing.assert_allclose(
+                positions[frame, recording.names.index(name)], theirs[name], atol=1e-3
+            )  # of some 400, in single precision
 
 
 def test_bones_that_stretch_are_named(tmp_path):
