@@ -35,7 +35,7 @@ class LinearSubspace(CodeDynamics):
     def fit(cls, train: tuple[Sequence, ...], config: Sizes, run: FitRun) -> "LinearSubspace":
         """Closed form; nothing is random. All bodies have the seeds that were chosen on the first."""
         known = Encoded.of(train, config, AGO)
-        return cls(known.seeds, known.garment, known.body, fit_dynamics(known.recordings, known.kinds))
+        return cls(known.seeds, known.garment, known.body, fit_dynamics(known.recordings))
 
     def save(self, folder: Path) -> None:
         """Write the fitted arrays."""

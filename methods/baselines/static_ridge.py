@@ -2,8 +2,10 @@
 
 What it can't predict takes dynamics. Seed points now and at seven moments of the last half second, as the present
 upright root sees them, become PCA codes, and a linear map takes these to the garment's subspace, the same as
-`linear_subspace`'s. The strength of the ridge is chosen on a kind of motion that is left out of the fit, where the
-training has several, else on the last quarter of each sequence.
+`linear_subspace`'s. The strength of the ridge is chosen on kinds of motion that are left out of the fit, where the
+training has several, else on the last quarter of each sequence: the one that errs least. On kinds that it has seen this
+costs a little: on the pleated skirt's validation scenes 3.34 and 2.27 cm (dance, walk) where the best of all strengths
+has 3.16 and 2.13, and the strongest that errs about the least has 3.55 and 2.41.
 
 A roll-out begins with three frames: until half a second has passed, the body is taken to have stood before them. So a
 single step sees three poses, not sixteen: read its error in roll-outs.
@@ -17,7 +19,7 @@ import numpy as np
 from garmentbench.geometry.blend_skinning import Skin, SkinOf, place
 from garmentbench.method import BodyFrame, FitRun, History, span
 from garmentbench.methods.baselines.held_out import folds
-from garmentbench.methods.baselines.ridge import STRENGTHS, Moments, strongest
+from garmentbench.methods.baselines.ridge import STRENGTHS, Moments
 from garmentbench.methods.baselines.subspace import Encoded, Sizes, Subspace, features, load, save
 from garmentbench.sequence import Sequence, Template
 
@@ -103,6 +105,6 @@ def fit_static(recordings: list[tuple[np.ndarray, np.ndarray]], kinds: list[str]
         for strength, misses in missed.items():
             linear = moments.solve(strength * moments.largest())
             misses.append(np.linalg.norm(seen @ linear[:-1] + linear[-1] - wanted, axis=1))
-    chosen = strongest({strength: float(np.concatenate(misses).mean()) for strength, misses in missed.items()})
+    least = min(STRENGTHS, key=lambda strength: np.concatenate(missed[strength]).mean())
     moments = Moments.of(*joined(none, lengths))
-    return moments.solve(chosen * moments.largest())
+    return moments.solve(least * moments.largest())
