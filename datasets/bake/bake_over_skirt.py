@@ -1,57 +1,72 @@
 """Bake the over-skirt into datasets/garments/over_skirt-{smoke,laptop,desktop,paper}.npz.
 
 Only needed to remake the assets: bake the bodies and the dress, then `python datasets/bake/bake_over_skirt.py`. It is
-worn over the dress: a wider cone from the waist to above the knees.
+worn over the dress, from the waist to above the knees: a plain waistband round the dress, and wide pleats below it.
 """
 
 import numpy as np
-from fitting import Cloth, body_skin
 from garment_file import save
-from scipy.ndimage import gaussian_filter
-from sizes import VERTICES
-from tube import AXIS, WAIST, grid_faces, hull_radius, without_arms
+from pleats import Grid, closed_cloth, doubled, even_ring, fan_chart, opened, pleated_row, row_heights
+from scipy.ndimage import gaussian_filter, maximum_filter
+from tube import AXIS, WAIST, hull_radius, without_arms
 
 from garmentbench.scenes.garments import load_garment
 
 TOP = WAIST + 0.02  # [m] height, above the dress's narrowest place
 HEM = 0.66  # [m] height, a hand above the dress's hem
-CLEARANCE = 0.008  # [m] off the dress
-FLARE = 0.04  # [m] further off the dress at the hem
-WAISTBAND = 0.029  # [m] below the upper edge, held by pins
-ROWS, ANGLES = 60, 240  # of the fine tube
-PROVENANCE = "a cone round the baked dress; made by datasets/bake/bake_over_skirt.py"
+CLEARANCE = 0.006  # [m] off the dress
+BAND, OPEN = TOP - 0.025, TOP - 0.085  # [m] height: the waistband's lower edge, and where all pleats are open
+PLEATS = 14
+DEPTH_WAIST, DEPTH_HEM = 0.024, 0.050  # [m] of the folds, if they began at the upper edge
+MARGIN = 0.03  # of the UV square
+ANGLES = 720
+PROVENANCE = "pleats over the baked dress; made by datasets/bake/bake_over_skirt.py"
+SIZES = {
+    "smoke": Grid(spacing=0.0417, edge=0.080),
+    "laptop": Grid(spacing=0.0217, edge=0.028),
+    "desktop": Grid(spacing=0.0111, edge=0.015),
+    "paper": Grid(spacing=0.0061, edge=0.0076),
+}
 
 
-def fine_over_skirt(size: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The skirt's shape over the dress of that size, finely meshed: points [m], faces, and which side of the side seams
-    (positive: front)."""
+def over_skirt(size: str) -> dict[str, np.ndarray]:
+    """The arrays of the skirt's file, over the dress of that size."""
+    grid = SIZES[size]
+    heights = row_heights([TOP, BAND, HEM], grid.spacing)
+    rings = inner_rings(size, heights)
+    depth = opened(heights, BAND, OPEN) * np.interp(heights, [HEM, TOP], [DEPTH_HEM, DEPTH_WAIST])
+    along = np.linalg.norm(np.roll(rings, -1, axis=1) - rings, axis=-1).sum(axis=1) / (2 * PLEATS)
+    side = np.hypot(along + np.pi * depth / (2 * PLEATS), depth)
+    columns = [doubled(wide, grid.edge) for wide in side]
+    cloth = closed_cloth([pleated_row(r, d, PLEATS, c) for r, d, c in zip(rings, depth, columns, strict=True)])
+    return {
+        **{key: cloth[key] for key in ("rest", "faces", "seams")},
+        "uv": fan_chart(cloth, side, MARGIN),
+        "pins": np.flatnonzero(cloth["rest"][:, 2] > BAND - 1e-6),
+    }
+
+
+def inner_rings(size: str, heights: np.ndarray) -> np.ndarray:
+    """Where the folds' inner edges lie: even points round the hull of dress and body, shape (rows, ANGLES, 3) [m], seen
+    from above counterclockwise from the middle of the back."""
     dress = load_garment("dress", size)
-    heights = np.linspace(TOP, HEM, ROWS)
-    angles = np.linspace(0, 2 * np.pi, ANGLES, endpoint=False)
+    angles = np.pi / 2 + np.linspace(0, 2 * np.pi, ANGLES, endpoint=False)
+    fine = np.arange(TOP, HEM - 0.01, -0.01)
     beneath = np.maximum(
-        hull_radius(*without_arms(), heights, angles),
-        hull_radius(dress.rest.astype(float), dress.faces, heights, angles),
+        hull_radius(*without_arms(), fine, angles),
+        hull_radius(dress.rest.astype(float), dress.faces, fine, angles),
     )
-    radius = gaussian_filter(beneath, (1.5, 4), mode=("nearest", "wrap"))
-    radius += CLEARANCE + FLARE * ((TOP - heights) / (TOP - HEM))[:, None]
-    rings = np.empty((ROWS, ANGLES, 3))
-    rings[..., :2] = AXIS + radius[..., None] * np.column_stack([np.cos(angles), np.sin(angles)])
-    rings[..., 2] = heights[:, None]
-    number = np.arange(ROWS * ANGLES).reshape(ROWS, ANGLES)
-    points = rings.reshape(-1, 3)
-    return points, grid_faces(np.concatenate([number, number[:, :1]], axis=1)), AXIS[1] - points[:, 1]
-
-
-def held(rest: np.ndarray) -> np.ndarray:
-    """The waistband's vertices."""
-    return np.flatnonzero(rest[:, 2] > TOP - WAISTBAND)
+    beneath = maximum_filter(beneath, (5, 25), mode=("nearest", "wrap"))  # so that smoothing doesn't bring it nearer
+    radius = CLEARANCE + gaussian_filter(beneath, (1.5, 12), mode=("nearest", "wrap"))
+    toward = np.column_stack([np.cos(angles), np.sin(angles)])
+    reach = [np.array([np.interp(-z, -fine, r) for r in radius.T]) for z in heights]
+    rings = [even_ring(AXIS + r[:, None] * toward, ANGLES) for r in reach]
+    return np.stack([np.column_stack([ring, np.full(ANGLES, z)]) for ring, z in zip(rings, heights, strict=True)])
 
 
 def main() -> None:
-    skin = body_skin()
-    for size, wanted in VERTICES["over_skirt"].items():
-        arrays = Cloth(*fine_over_skirt(size)).fit(skin, wanted)
-        save(f"over_skirt-{size}", arrays | {"pins": held(arrays["rest"])}, PROVENANCE)
+    for size in SIZES:
+        save(f"over_skirt-{size}", over_skirt(size), PROVENANCE)
 
 
 if __name__ == "__main__":

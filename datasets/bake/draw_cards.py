@@ -15,7 +15,7 @@ from garmentbench.viewing.render import CLOTH, RenderMesh, bounds, render
 SIZE = (260, 400)  # [pixels] of each of the three pictures
 INNER = (0.87, 0.75, 0.42)  # colour of what is worn beneath
 BENEATH = {"over_skirt": "dress"}
-STICKS = ("sheet",)
+STICKS = ("sheet", "laid_sheet")
 
 
 def card(name: str) -> np.ndarray:
@@ -37,7 +37,7 @@ def card(name: str) -> np.ndarray:
 
 def main() -> None:
     (GARMENTS / "cards").mkdir(exist_ok=True)
-    for name in ("bodysuit", "dress", "over_skirt", "pleated_skirt", "sheet", "tshirt"):
+    for name in ("bodysuit", "dress", "laid_sheet", "over_skirt", "pleated_skirt", "sheet", "tshirt"):
         imsave(GARMENTS / "cards" / f"{name}.png", card(name))
 
 

@@ -37,6 +37,10 @@ class Cloth:
         edge = 1 / np.sqrt(wanted)
         for _ in range(5):
             edge *= np.sqrt((size(self.front, edge) + size(self.back, edge)) / wanted)
+        return self.meshed(skin, edge)
+
+    def meshed(self, skin: Skin, edge: float) -> dict[str, np.ndarray]:
+        """The same, with edges of about that length [m]."""
         for _ in range(ATTEMPTS):
             garment = sewn(mesh(self.front, edge), mesh(self.back, edge), skin)
             even = thinnest(garment["rest"], garment["faces"]) / edge

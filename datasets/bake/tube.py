@@ -41,11 +41,22 @@ def hull_radius(points: np.ndarray, faces: np.ndarray, heights: np.ndarray, angl
     return np.maximum.accumulate(radius, axis=0)
 
 
-def grid_faces(number: np.ndarray) -> np.ndarray:
+def flutes(ring: np.ndarray, count: int) -> np.ndarray:
+    """A wave round a closed ring, shape (R, 2) [m]: 0 to 1, shape (R,), equally long along it, the same left and right
+    of the middle of the front, where it is 1."""
+    steps = np.linalg.norm(np.roll(ring, -1, axis=0) - ring, axis=1)
+    along = np.cumsum(steps) - steps
+    front = along[np.argmin(ring[:, 1])]  # the body faces -y
+    return 0.5 + 0.5 * np.cos(2 * np.pi * count * (along - front) / steps.sum())
+
+
+def grid_faces(number: np.ndarray, first: int = 0) -> np.ndarray:
     """Two triangles a cell of a grid of vertex numbers, diagonals like a chequerboard; outward where rows go down and
-    columns counterclockwise seen from above."""
+    columns counterclockwise seen from above. `first`: the number of its first row, so that the chequerboard goes on
+    from one strip to the next."""
     a, b, c, d = (corner.ravel() for corner in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
-    falling = (np.add.outer(*map(np.arange, np.subtract(number.shape, 1))) % 2 == 0).ravel()[:, None]
-    first = np.where(falling, np.stack([a, b, c], 1), np.stack([a, b, d], 1))
-    second = np.where(falling, np.stack([a, c, d], 1), np.stack([b, c, d], 1))
-    return np.concatenate([first, second])
+    rows, columns = map(np.arange, np.subtract(number.shape, 1))
+    falling = (np.add.outer(rows + first, columns) % 2 == 0).ravel()[:, None]
+    one = np.where(falling, np.stack([a, b, c], 1), np.stack([a, b, d], 1))
+    other = np.where(falling, np.stack([a, c, d], 1), np.stack([b, c, d], 1))
+    return np.concatenate([one, other])

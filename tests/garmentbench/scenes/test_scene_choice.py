@@ -25,7 +25,7 @@ def test_every_scene_holds_what_there_is(name):
     scene = load_scene(name)
     assert scene.garment in garment_names() and scene.body in {*body_names(), "stick"}
     assert scene.motion.name in motion_names()
-    if not name.startswith(("stress-", "sheet-")):
+    if not name.startswith(("stress-", "sheet-", "laid_sheet-")):
         assert name.startswith(f"{scene.garment}-{scene.motion.name}") and name.endswith(scene.body) == (
             scene.body != "base"
         )
@@ -34,9 +34,10 @@ def test_every_scene_holds_what_there_is(name):
 @pytest.mark.parametrize(
     ("words", "names"),
     [
-        (["sheet-*"], ["sheet-stick-a", "sheet-stick-b"]),
+        (["sheet-*"], ["sheet-stick-a", "sheet-stick-b", "sheet-stick-c"]),
         (["sheet-*", "split=train"], ["sheet-stick-a"]),
-        (["garment=sheet"], ["sheet-stick-a", "sheet-stick-b"]),
+        (["garment=sheet"], ["sheet-stick-a", "sheet-stick-b", "sheet-stick-c"]),
+        (["laid*"], ["laid_sheet-stick-swing-a", "laid_sheet-stick-swing-b"]),
         (["split=validation", "garment=dress"], ["dress-armspace-60", "dress-dance-latin-held"]),
         (["garment=tshirt", "motion=dance-*", "body=slim"],
          [f"tshirt-dance-{dance}-slim" for dance in ("bounce", "latin-late", "latin", "spin")]),
@@ -139,7 +140,7 @@ def test_many_scenes_are_simulated_at_once_and_kept(tmp_path, monkeypatch, capsy
     """Each in a process of its own, which writes where this one would; those that fail are told."""
     monkeypatch.setattr("garmentbench.reference.make_reference", _pretend)
     monkeypatch.chdir(tmp_path)
-    code, out, _ = typed(capsys, "simulate", "sheet-*", "--preset", "smoke", "--jobs", "2")
+    code, out, _ = typed(capsys, "simulate", "sheet-stick-[ab]", "--preset", "smoke", "--jobs", "2")
     assert code == 0 and out.splitlines() == [f"smoke/sheet-stick-{k}.h5: spread 0.12 cm, contracting" for k in "ab"]
     code, _, err = typed(capsys, "simulate", "tshirt-run", "sheet-stick-a", "--preset", "smoke", "--jobs", "2")
     assert (
