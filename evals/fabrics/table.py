@@ -33,7 +33,8 @@ def fabrics_table(results: Results) -> Table:
         "Fabrics",
         "Named fabrics, from measurements of the cloth (datasets/fabrics.toml; nothing is fitted to a drape). Drape: "
         "Cusick's coefficient, a disc of 30 cm over a table of 18 cm, at two mesh sizes that may differ by 3 points, "
-        "beside the band in which such cloth was measured. Bending length: (B / w)^1/3, which ASTM D1388 measures. "
+        "means of three starts, beside the band in which such cloth was measured. Bending length: (B / w)^1/3, which "
+        "ASTM D1388 measures. "
         "Droop: angle of the chord of 10 cm that hang over an edge, simulated and of the heavy elastica. E t is what "
         "the isotropic sheet has in place of warp, weft and shear. Cost: of the T-shirt at laptop size, without "
         "what it touches.",

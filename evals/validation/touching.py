@@ -59,8 +59,8 @@ def cylinder(segments: int = 180, width: float = 0.3) -> Body:
 
 
 def capstan(edges: float) -> float:
-    """Tension over tension of the two ends of a strip that slips round a cylinder by half a turn, one end held, the
-    other drawn; from how far both are stretched."""
+    """Tension over tension, at most, of the two ends of a strip that goes round a cylinder by half a turn, one end
+    held, the other drawn; from how far both are stretched. It may slip by jerks, so no steady value is asked for."""
     material = vacuum(1e-6, 100.0, friction=RUB, stretch_damping=1e-3)
     radius, leg, taut = RADIUS + material.thickness, 0.12, 0.01
     arc = math.pi * radius
@@ -72,17 +72,17 @@ def capstan(edges: float) -> float:
     z = radius * np.sin(angle) + np.minimum(s, 0) - np.maximum(s - arc, 0)
     start = np.column_stack([x, cloth.rest[:, 1] - cloth.rest[:, 1].mean(), z])
     body, frames = _drawn_over(radius, leg)
-    out = drive(cloth, start, body, frames, FPS, material, replace(BODY_ONLY, gravity=0.0))
+    out = drive(cloth, start, body, frames, FPS, material, replace(BODY_ONLY, gravity=0.0, settling=30.0))
     a, b = out.fabric.edges.T
     first = np.unique(out.fabric.particle, return_index=True)[1]
     lies = out.fabric.rest[:, 0]
     level = np.abs(lies[a] - lies[b]) > 0.9 * length / round(length * edges)  # the edges along the strip
     middle = (lies[a] + lies[b]) / 2
-    last = out.positions[-10:, first]
-    strain = np.linalg.norm(last[:, b] - last[:, a], axis=-1).mean(axis=0) / out.fabric.length - 1
+    x = out.positions[:, first]
+    strain = np.linalg.norm(x[:, b] - x[:, a], axis=-1) / out.fabric.length - 1
     inner = 0.8 * leg
     held, drawn = (level & (middle < inner)), (level & (middle > length - inner))
-    return float(strain[drawn].mean() / strain[held].mean())
+    return float((strain[:, drawn].mean(axis=1) / strain[:, held].mean(axis=1)).max())
 
 
 def _drawn_over(radius: float, leg: float) -> tuple[Body, np.ndarray]:
@@ -214,7 +214,6 @@ def _momentum(fine_above: bool) -> Case:
         simulate=lambda _: momentum_lost(fine_above),
         tolerance=1.0,
         source="momentum is kept",
-        fast=False,
     )
 
 
@@ -222,7 +221,7 @@ CASES = (
     *map(_slide, (0.2, 0.4, 0.6)),
     Case(
         name="capstan",
-        title="strip drawn over a cylinder, half a turn, friction 0.4: tension over tension of its ends",
+        title="strip drawn over a cylinder, half a turn, friction 0.4: tension over tension when it slips",
         unit="1",
         wanted=lambda: math.exp(RUB * math.pi),
         simulate=capstan,
