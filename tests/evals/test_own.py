@@ -156,11 +156,14 @@ def test_what_is_wrong_with_a_file_is_one_line(folder, capsys, name, text, compl
     assert complaint in said and said.count("\n") == 1 and "Traceback" not in said
 
 
-def test_a_method_that_takes_another_s_name_is_refused(folder, capsys):
-    (folder / "thief.py").write_text(METHOD.format(name="Thief", label="skinning"))
+@pytest.mark.parametrize(
+    ("name", "whose"), [("skinning", "as another method does"), ("another_run", "as the simulator's line")]
+)
+def test_a_method_that_takes_another_s_name_is_refused(folder, capsys, name, whose):
+    (folder / "thief.py").write_text(METHOD.format(name="Thief", label=name))
     (folder / "t.toml").write_text(TOML.replace("still_water:StillWater", "thief:Thief").replace('"skinning", ', ""))
     assert main(["evals", str(folder / "t.toml"), "--preset", "smoke"]) == 2
-    assert "thief:Thief calls itself 'skinning', as another method does" in capsys.readouterr().err
+    assert f"thief:Thief calls itself '{name}', {whose}" in capsys.readouterr().err
 
 
 def test_one_file_and_nothing_beside_it(folder, capsys):
