@@ -160,10 +160,12 @@ def test_what_is_wrong_with_a_file_is_one_line(folder, capsys, name, text, compl
     ("name", "whose"), [("skinning", "as another method does"), ("another_run", "as the simulator's line")]
 )
 def test_a_method_that_takes_another_s_name_is_refused(folder, capsys, name, whose):
-    (folder / "thief.py").write_text(METHOD.format(name="Thief", label=name))
-    (folder / "t.toml").write_text(TOML.replace("still_water:StillWater", "thief:Thief").replace('"skinning", ', ""))
+    (folder / f"{name}_thief.py").write_text(METHOD.format(name="Thief", label=name))
+    (folder / "t.toml").write_text(
+        TOML.replace("still_water:StillWater", f"{name}_thief:Thief").replace('"skinning", ', "")
+    )
     assert main(["evals", str(folder / "t.toml"), "--preset", "smoke"]) == 2
-    assert f"thief:Thief calls itself '{name}', {whose}" in capsys.readouterr().err
+    assert f"{name}_thief:Thief calls itself '{name}', {whose}" in capsys.readouterr().err
 
 
 def test_one_file_and_nothing_beside_it(folder, capsys):
