@@ -6,7 +6,7 @@ from garmentbench.evals.difficulty.headline import COUNT, FORETOLD, FRAMES, LEFT
 from garmentbench.report.cells import ABSENT, number, value_cell
 from garmentbench.report.lines import REFERENCE, Line
 from garmentbench.report.table import Cell, Table
-from garmentbench.scenes.training_sets import novelty
+from garmentbench.scenes.training_sets import MARK, novelty
 
 STATIC, DYNAMIC = "static_ridge", ("linear_subspace", "subspace_network")
 METHODS = ("skinning", STATIC, *DYNAMIC)
@@ -15,7 +15,7 @@ METHODS = ("skinning", STATIC, *DYNAMIC)
 def difficulty_table(lines: list[Line], title: str) -> Table:
     """A row a scene: what was measured of it, how simple methods do, and what it is good for."""
     scenes = {scene: {line.method: line for line in lines if line.scene == scene} for scene in _scenes(lines)}
-    demands = {scene: demand(found) for scene, found in scenes.items()}
+    demands = {scene: demand(scene, found) for scene, found in scenes.items()}
     chosen, qualify = headline(list(demands.values()))
     rows = []
     for scene in sorted(scenes, key=lambda s: (demands[s].novelty != "new phrase", demands[s].novelty, s)):
@@ -37,15 +37,15 @@ def difficulty_table(lines: list[Line], title: str) -> Table:
     )  # fmt: skip
 
 
-def demand(found: dict[str, Line]) -> Demand:
+def demand(scene: str, found: dict[str, Line]) -> Demand:
     """What a scene's lines, by method, say of it."""
-    first = next(iter(found.values()))
+    learnt = next((line.train_scenes for line in found.values() if MARK in line.train_scenes), "")
     errors = {method: of(found, method, "rollout_l2") for method in (STATIC, *DYNAMIC)}
     dynamic = [errors[m] for m in DYNAMIC if not math.isnan(errors[m])]
     frames = max((int(h) for line in found.values() for h in line.rows.horizon.dropna()), default=0)
     return Demand(
-        first.scene,
-        novelty(first.scene, first.train_scenes.partition("@")[2]),
+        scene,
+        novelty(scene, learnt.partition(MARK)[2]),
         frames,
         errors[STATIC],
         min(dynamic, default=math.nan),
@@ -83,6 +83,7 @@ def _caption(chosen: int, qualify: int) -> str:
     return (
         "How much the garment moves in the body's own frame, what another run of the simulator errs by, errors of free "
         "roll-outs of simple methods that were trained on one set of scenes, and the error of the best codes in the "
-        f"same subspace. {rule}; {met}. Scenes of a new kind of motion, or on a new body, test generalisation: there "
+        "same subspace; errors are distances to the reference's first run, from which the roll-outs begin. "
+        f"{rule}; {met}. Scenes of a new kind of motion, or on a new body, test generalisation: there "
         "extrapolation of the pose decides."
     )
