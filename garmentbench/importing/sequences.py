@@ -11,6 +11,7 @@ import numpy as np
 from garmentbench import sequence_file
 from garmentbench.errors import UsageError, UserError
 from garmentbench.importing.mesh_doctor.orientation import faces_inward
+from garmentbench.importing.mesh_doctor.worn import unit_question
 from garmentbench.importing.meshes.conventions import Conventions, Given, find_conventions, unit_name
 from garmentbench.importing.meshes.frame_check import check_frames
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence, refusal, without_spare
@@ -21,6 +22,7 @@ from garmentbench.importing.meshes.uv_map import seam_pairs, vertex_uv
 from garmentbench.importing.wearing import worn
 from garmentbench.reference import IDENTITY
 from garmentbench.sequence import GARMENT, HUMAN, Body, Garment, Sequence, Template
+from garmentbench.sequence_file.array_checks import LARGEST, SMALLEST
 
 _HIGHEST, _LOWEST = 3.0, 0.5  # of a human body [m], by the units that a file states
 _APART = 0.3  # [m] between the bounding boxes of garment and body in frame 0
@@ -128,9 +130,21 @@ def import_meshes(garment: MeshSequence, body: MeshSequence | None, wanted: Want
         notes += lines + hand + _far(frames[0], moving[0])
     else:
         notes.append("handedness: right-handed axes assumed; there is no body whose faces would tell")
+    _refuse_odd_size(garment, frames[0], found.unit[0])
     info: dict[str, Any] = {"scene": wanted.scene, "split": wanted.split, "motion": "imported"}
     info["imported"] = _provenance(garment, body, found, list(notes))
     return Sequence(Template(cloth, template, found.fps), frames, moving, info), notes
+
+
+def _refuse_odd_size(garment: MeshSequence, first: np.ndarray, unit: float) -> None:
+    """Raises `UserError` where a garment's first frame [m] has a size that no garment has."""
+    size = float(np.linalg.norm(np.ptp(first, axis=0)))
+    if SMALLEST <= size <= LARGEST:
+        return
+    what = f"the garment measures {size:.3g} m across when its unit is {unit_name(unit)}"
+    likely = unit_question(size / unit)
+    do = f"give --units{f', for {likely}' if likely else ''}; with --body-units where the body's is another"
+    raise refusal(garment.where, f"{what}, wanted {SMALLEST:g} to {LARGEST:g} m", do)
 
 
 def _body(

@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from garmentbench.errors import errors
-from garmentbench.importing.mesh_doctor.worn import fits_mirrored, never_worn
+from garmentbench.importing.mesh_doctor.worn import fits_mirrored, never_worn, other_time
 from garmentbench.importing.meshes.mesh_sequence import refusal
 from garmentbench.metrics.interpenetration_strict import PENETRATION
 from garmentbench.metrics.metric import Motion, scores
@@ -19,7 +18,7 @@ _MEASURED = 400_000  # vertices, over all frames, whose depth is measured: a few
 def worn(sequence: Sequence) -> tuple[Sequence, list[str]]:
     """The sequence with its interpenetration noted, and lines on whether it is worn.
 
-    Of a garment that nobody wears nothing is noted: that none of it is inside a body would say nothing.
+    Of a garment that nobody wears, or that slips off, nothing is noted: none of it inside a body would say nothing.
 
     Raises `UserError` where most of it is inside the body, or where it fits as its mirror image only.
     """
@@ -28,8 +27,8 @@ def worn(sequence: Sequence) -> tuple[Sequence, list[str]]:
     body = sequence.template.body
     where = sequence.template.garment.name if body is None else f"{sequence.template.garment.name} on {body.name}"
     line = f"{percent:.3g} % of the garment's vertices lie inside the body"
-    if errors(problems) or percent > _MUCH:
-        mirrored = fits_mirrored(sequence, _FEW if errors(problems) else percent / _FAR_FEWER)
+    if problems or percent > _MUCH:
+        mirrored = fits_mirrored(sequence, _FEW if problems else percent / _FAR_FEWER)
         if mirrored:
             found = f"{line}, but hardly one of its mirror image ({mirrored})"
             raise refusal(where, found, "export garment and body with the same axes, both right-handed")
@@ -37,12 +36,13 @@ def worn(sequence: Sequence) -> tuple[Sequence, list[str]]:
         do = "export both with one origin, axes, unit and time (--units, --up, --same-start), or name the right body"
         raise refusal(where, f"{line}, wanted it worn", do)
     lines = [f"warning: {problem}" for problem in problems]
-    if errors(problems):
+    if problems:
         return _with_lines(sequence, lines), lines
     if percent > _MUCH:
-        lines.append(
-            f"warning: interpenetration: {line}: do both have the same times, axes and unit, is this its body?"
-        )
+        shift = other_time(sequence)
+        likely = "do both have the same times, axes and unit, and is this its body?"
+        likely = f"it fits the body {shift:+d} frames away: do both begin at the same moment?" if shift else likely
+        lines.append(f"warning: interpenetration: {line}: {likely}")
     else:
         lines.append(f"interpenetration: {line}")
     return _with_lines(known, lines), lines

@@ -28,6 +28,7 @@ _SOLES = 0.05  # of the body's height: a garment whose middle is below is no gar
 _PELVIS = 0.5  # height of the pelvis over that of the body
 _FEW = 5.0  # [%] of the vertices inside: then it is worn well enough to be proposed
 _CHUNK = 2_000  # body edges tested at once
+_SHIFTS, _SHORTEST = 12, 4  # frames that a garment may be off, and that have to be left then
 _LOOKED_AT = 3  # frames of a sequence: the first, the middle, the last
 
 
@@ -128,20 +129,47 @@ def never_worn(sequence: Sequence) -> list[Problem]:
         )
         no_part += f" (the nearest point is {gap:.2g} m away)"
         if frame:
-            do = "look at it (garmentbench view): do both have the same times and rate?"
+            shift = other_time(sequence)
+            likely = f"it fits the body {shift:+d} frames away" if shift else "do both have the same times and rate"
+            do = f"{likely}? Look at it (garmentbench view), and import it with what is right"
             return [Problem(f"frame {frame}", f"worn in frame 0, but here {no_part}", do, warning=True)]
-        do = f"{_likely(mesh, wearer)}? Look at it (--picture), and import it with what is right"
+        do = f"{_likely(mesh, wearer, sequence)}? Look at it (--picture), and import it with what is right"
         return [Problem("frame 0", no_part, do)]
     return []
 
 
-def _likely(mesh: Mesh, wearer: Wearer) -> str:
-    """The likely cause of a garment's not being on its body."""
-    factor = other_unit(mesh, wearer)
+def _likely(mesh: Mesh, wearer: Wearer, sequence: Sequence) -> str:
+    """The likely cause of a garment's not being on its body in frame 0."""
+    factor, shift = other_unit(mesh, wearer), other_time(sequence)
     if factor != 1:
         return f"worn at {factor:.3g} times its size: {_RATIOS[factor]}"
+    if shift:
+        return f"it fits the body {shift:+d} frames away"
     change = proposal(mesh, wearer)
-    return "another origin, axes, unit or time than the body's" if change is None else change.words()
+    if change is None or (change.up != "z" and any(change.shift[:2])):  # two faults at once are far-fetched
+        return "another origin, axes, unit or time than the body's"
+    return change.words()
+
+
+def other_time(sequence: Sequence) -> int:
+    """By how many frames a garment is too early for its body, or too late if below 0: it is worn there, with few
+    vertices inside, in the middle of the frames that both then have and at their ends; 0 for none.
+    """
+    if sequence.body is None or len(sequence) < 2 * _SHORTEST:
+        return 0
+    best, found = _FEW, 0
+    farthest = min(_SHIFTS, len(sequence) - _SHORTEST)
+    for shift in sorted(set(range(-farthest, farthest + 1)) - {0}, key=abs):
+        first, last = max(0, -shift), min(len(sequence), len(sequence) - shift) - 1
+        inside = 0.0
+        for frame in (first, (first + last) // 2, last):
+            mesh, wearer = of_frame(sequence, frame, frame + shift)
+            inside = max(inside, _inside(mesh, wearer)) if is_worn(mesh, wearer) else np.inf
+            if inside >= best:
+                break
+        if inside < best:
+            best, found = inside, shift
+    return found
 
 
 def other_unit(mesh: Mesh, wearer: Wearer, unit: float | None = None) -> float:
@@ -173,13 +201,13 @@ def _median_gap(mesh: Mesh, wearer: Wearer) -> float:
 _RATIOS = {a / b: f"{u} taken for {v}" for (u, a), (v, b) in product(UNITS.items(), UNITS.items()) if u != v}
 
 
-def of_frame(sequence: Sequence, frame: int) -> tuple[Mesh, Wearer]:
-    """Garment and body, which there has to be, as they are in a frame."""
+def of_frame(sequence: Sequence, frame: int, body_frame: int | None = None) -> tuple[Mesh, Wearer]:
+    """Garment and body, which there has to be, as they are in a frame; the body perhaps in another one."""
     garment, body = sequence.template.garment, sequence.template.body
     assert body is not None and sequence.body is not None, "ask for the body first"
     positions, seams = sequence.garment[frame].astype(np.float64), garment.seams.astype(np.int64)
     mesh = Mesh(garment.name, positions, garment.faces.astype(np.int64), None, np.arange(len(positions)), seams=seams)
-    return mesh, Wearer(replace(body, rest=sequence.body[frame]), None)
+    return mesh, Wearer(replace(body, rest=sequence.body[frame if body_frame is None else body_frame]), None)
 
 
 _MIRRORS = {  # what a mirror image may be of, and the matrix that undoes it

@@ -32,16 +32,17 @@ _SAME_RATE = 0.01  # relative difference of two rates that are one
 def read_npz(path: Path) -> MeshSequence:
     """An .npz file. Raises `UserError`, one line, for what is damaged, or lacks or has other arrays than these."""
     size = size_of(path, "an .npz file")
-    arrays = {}
+    arrays, there = {}, []
     try:
         with zipfile.ZipFile(path) as archive:
             for member in archive.infolist():
                 name = member.filename.removesuffix(".npy")
+                there.append(_ALIASES.get(name, name))
                 if name in _KNOWN:
                     arrays[_ALIASES.get(name, name)] = read_array(archive, member, size)
     except DAMAGED as e:
         raise refusal(path, f"damaged, or no .npz file ({hdf5.reason(e)})", _AGAIN) from e
-    return _mesh(path, arrays)
+    return _mesh(path, arrays, there)
 
 
 def read_hdf5(path: Path) -> MeshSequence:
@@ -51,9 +52,10 @@ def read_hdf5(path: Path) -> MeshSequence:
     way to call it.
     """
     size_of(path, "an HDF5 file")
-    arrays = {}
+    arrays, there = {}, []
     try:
         with h5py.File(path, "r", locking=False) as file:
+            there += [_ALIASES.get(name, name) for name in map(str, file)]
             for name in sorted(_KNOWN & set(file)):
                 arrays[_ALIASES.get(name, name)] = _stored(file, name)
             for name in ("fps", "metres_per_unit", "up"):
@@ -61,7 +63,7 @@ def read_hdf5(path: Path) -> MeshSequence:
                     arrays[name] = np.asarray(file.attrs[name])
     except (*hdf5.DAMAGED, TypeError) as e:
         raise refusal(path, f"damaged, or no HDF5 file of a mesh ({hdf5.reason(e)})", _AGAIN) from e
-    return _mesh(path, arrays)
+    return _mesh(path, arrays, there)
 
 
 def _stored(file: h5py.File, name: str) -> np.ndarray:
@@ -92,17 +94,20 @@ def write_npz(path: Path, mesh: MeshSequence) -> None:
         np.savez(file, **arrays)
 
 
-def _mesh(path: Path, arrays: dict[str, np.ndarray]) -> MeshSequence:
+def _mesh(path: Path, arrays: dict[str, np.ndarray], there: list[str]) -> MeshSequence:
+    """The mesh of the known arrays of a file; `there` are the names of all that is in it."""
     for name in ("positions", "faces"):
         if name not in arrays:
-            others = ", ".join(sorted(arrays)) or "none of the known ones"
-            raise refusal(path, f"has no array '{name}' (found: {others})", _AGAIN)
+            others = ", ".join(sorted(there)[:10]) + (" ..." if len(there) > 10 else "")
+            raise refusal(path, f"has no array '{name}' (found: {others or 'none'})", _AGAIN)
     for name, shape in _SHAPES.items():
         if name in arrays:
             _check(path, name, arrays[name], shape)
     vertices = arrays["positions"].shape[1]
     if "rest" in arrays and len(arrays["rest"]) != vertices:
         raise refusal(path, f"rest has {len(arrays['rest'])} vertices, positions have {vertices}", _AGAIN)
+    if arrays["faces"].min() == 1 and arrays["faces"].max() == vertices:
+        raise refusal(path, f"faces name vertices 1 to {vertices}, wanted them counted from 0", "subtract 1")
     faces = checked_faces(path, arrays["faces"].astype(np.int64), vertices)
     pins = arrays.get("pins", np.zeros(0)).astype(np.int32)
     if pins.size and not (pins.min() >= 0 and pins.max() < vertices):
@@ -140,7 +145,9 @@ def _check(path: Path, name: str, array: np.ndarray, shape: tuple[int | None, ..
         wanted = (
             f"{'whole numbers' if kinds == 'iu' else 'floats'} of shape ({', '.join(str(w or 'n') for w in shape)})"
         )
-        raise refusal(path, f"{name} is {array.dtype} of shape {array.shape}, wanted {wanted}", _AGAIN)
+        turned = array.ndim == len(shape) > 1 and array.shape[0] == shape[-1] != array.shape[-1]
+        do = "turn its axes round: MATLAB and Julia write the last first" if turned else _AGAIN
+        raise refusal(path, f"{name} is {array.dtype} of shape {array.shape}, wanted {wanted}", do)
 
 
 def _corner_uv(path: Path, uv: np.ndarray | None, faces: np.ndarray, vertices: int) -> np.ndarray | None:

@@ -9,13 +9,17 @@ from exchange_example import MESHES, SEQUENCE, as_film, imported, positions_agre
 from garmentbench import sequence_file
 from garmentbench.errors import UsageError, UserError
 from garmentbench.evaluation.rollout import RollOut
+from garmentbench.geometry.mesh import vertex_normals
+from garmentbench.geometry.nearest import nearest_vertices
 from garmentbench.importing.meshes.arrays import write_npz
 from garmentbench.importing.meshes.conventions import Given
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence
 from garmentbench.importing.meshes.obj import write_series, write_template
 from garmentbench.importing.meshes.point_caches import write_mdd, write_pc2
 from garmentbench.importing.sequences import Wanted, import_meshes
-from garmentbench.scenes.bodies import load_body
+from garmentbench.motion.gait import GAITS
+from garmentbench.motion.walk import walk
+from garmentbench.scenes.bodies import load_body, pose
 from garmentbench.scenes.garments import load_garment
 
 CLOTH, BODY = MESHES["garment"], MESHES["body"]
@@ -122,6 +126,57 @@ def test_how_much_is_inside_is_a_warning_and_most_of_it_an_error(home, capsys, w
             assert "warning: interpenetration: " in out and "do both have the same times, axes and unit" in out
             code, card, _ = typed(capsys, "card", "x.h5")
             assert "- warning: interpenetration: " in card
+
+
+def dancer(frames: int = 16) -> tuple[MeshSequence, MeshSequence]:
+    """A bodysuit that keeps to a body which steps aside, in a pose that is no mirror image of itself."""
+    baked, suit = load_body("base", "small"), load_garment("bodysuit", "smoke")
+    steps = walk(baked, GAITS["armspace-75"], 2 + np.arange(frames) / 12, np.ones(frames))
+    root = steps.root + np.arange(frames)[:, None] * [0.08, 0.0, 0.0]
+    skin = pose(baked, steps.rotations, root).astype(np.float32)
+    distance, nearest = nearest_vertices(suit.rest, baked.body.rest)
+    normals = np.stack([vertex_normals(x.astype(np.float64), baked.body.faces)[nearest] for x in skin])
+    cloth = (skin[:, nearest] + 1.5 * np.maximum(distance, 0.012)[:, None] * normals).astype(np.float32)
+    says = {"fps": 25.0, "unit": 1.0, "up": "z"}
+    return (MeshSequence("suit", cloth, suit.faces, suit.uv[suit.faces], **says),
+            MeshSequence("body", skin, baked.body.faces, **says))  # fmt: skip
+
+
+def test_a_mirror_image_of_a_garment_is_known_by_its_body_s_motion(home, capsys):
+    """In frame 0 it fits as well, on a body that is symmetric and stands over the origin."""
+    cloth, body = dancer()
+    write_npz(home / "body.npz", body)
+    for faces in (cloth.faces, cloth.faces[:, ::-1]):
+        write_npz(home / "cloth.npz", replace(cloth, frames=cloth.frames * FLIP, faces=faces))
+        code, _, err = typed(capsys, "import", "cloth.npz", "--body", "body.npz", "--out", "x.h5")
+        assert code == 1 and len(err) == 1 and "mirror image (x turned round); export garment and body" in err[0]
+    both = [replace(m, frames=m.frames * FLIP) for m in (cloth, body)]  # faces inwards
+    sequence, notes = import_meshes(*both, Wanted("x"))
+    assert any(line.endswith("mirrored") for line in notes)
+    turned = sequence.body - body.frames * np.float32([1, -1, 1]) * FLIP  # by half a turn, which is no matter
+    assert np.abs(turned).max() < 1e-5
+
+
+@pytest.mark.parametrize("late", [5, -3])
+def test_a_garment_that_is_late_is_told_by_how_many_frames(home, capsys, late):
+    """Without times in its file."""
+    cloth, body = dancer()
+    moved = np.clip(np.arange(len(cloth.frames)) + late, 0, len(cloth.frames) - 1)
+    write_npz(home / "body.npz", body)
+    write_npz(home / "cloth.npz", replace(cloth, frames=cloth.frames[moved]))
+    code, out, _ = typed(capsys, "import", "cloth.npz", "--body", "body.npz", "--out", "x.h5")
+    assert code == 0 and f"it fits the body {late:+d} frames away" in out
+
+
+def test_a_garment_of_no_garment_s_size_is_asked_about(home, capsys):
+    cloth = replace(CLOTH, frames=CLOTH.frames / np.float32(0.0254), rest=None, unit=None, up=None)
+    write_npz(home / "cloth.npz", replace(cloth, unit=1.0, up="z"))
+    write_npz(home / "body.npz", BODY)
+    code, _, err = typed(capsys, "import", "cloth.npz", "--body", "body.npz", "--out", "x.h5")
+    assert (
+        code == 1 and len(err) == 1 and "cloth.npz: the garment measures" in err[0] and "wanted 0.05 to 8 m" in err[0]
+    )
+    assert "give --units, for " in err[0] and "in (0." in err[0] and "--body-units" in err[0]
 
 
 def test_a_garment_beside_its_body_gets_no_reassuring_number(home, capsys):
