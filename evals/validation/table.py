@@ -118,7 +118,8 @@ def _off(case: Found) -> str:
     if math.isnan(case.wanted) or not math.isfinite(case.finest):
         return ABSENT
     error = case.finest - case.wanted
-    return number(100 * error / abs(case.wanted)) if case.wanted else f"{precise(error)} {case.unit}"
+    unit = "" if case.unit == "1" else f" {case.unit}"
+    return number(100 * error / abs(case.wanted)) if case.wanted else f"{precise(error)}{unit}"
 
 
 def _order(case: Found) -> str:
