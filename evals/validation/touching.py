@@ -128,9 +128,10 @@ def momentum_lost(fine_above: bool) -> float:
 
 
 def twisted(edges: float) -> float:
-    """Faces that cross others [a frame, at most], while the ends of a sheet are turned against each other twice in 300
-    frames, and brought nearer by a third so that it can wind up."""
-    width, length, frames, turns = 0.08, 0.3, 300, 2.0
+    """Faces that cross others [a frame, at most], while the ends of a sheet are turned against each other once in 300
+    frames, and brought nearer by a third so that it winds up. A second turn would make a rope thinner than these
+    triangles."""
+    width, length, frames, turns = 0.08, 0.3, 300, 1.0
     rows = round(edges * width / length / HEIGHT)
     count = round(edges) + 1
     pins = [j * count + i for j in range(rows + 1) for i in (0, 1, count - 2, count - 1)]
@@ -233,11 +234,12 @@ CASES = (
     *map(_momentum, (False, True)),
     Case(
         name="twist",
-        title="sheet whose ends are turned against each other, two turns in 300 frames: faces that cross, at most",
+        title="sheet whose ends are turned against each other, one turn in 300 frames: faces that cross, at most",
         unit="1",
         wanted=lambda: 0.0,
         simulate=twisted,
-        sizes={"1.2 cm": 25.0},
+        sizes={"1.2 cm": 25.0, "7.5 mm": 40.0},
+        cost=25.0,
         source="cloth does not pass through itself",
         fast=False,
     ),
