@@ -142,7 +142,7 @@ def best_edge(cloth: Cloth, waist: np.ndarray, left: int, wanted: int) -> float:
     """The edge length [m] that makes nearest to `wanted` vertices."""
 
     def count(edge: float) -> int:
-        return size(cloth.front, edge) + size(cloth.back, edge) + sum(len(r) + 1 for r in skirt_rows(waist, left, edge))
+        return sum(size(panel, edge) for panel in cloth.panels) + sum(len(r) + 1 for r in skirt_rows(waist, left, edge))
 
     edge = 1 / np.sqrt(wanted)
     for _ in range(4):

@@ -73,10 +73,23 @@ def side_by_side(charts: list[np.ndarray]) -> list[np.ndarray]:
 
     Filling the square (rather than keeping angles) wastes fewer texels of the maps that are drawn through the charts.
     """
-    sizes = np.array([np.ptp(chart, axis=0) for chart in charts])
-    scale = (1 - np.array([len(charts) + 1, 2]) * MARGIN) / [sizes[:, 0].sum(), sizes[:, 1].max()]
-    starts = MARGIN + np.concatenate([[0], np.cumsum(sizes[:-1, 0] * scale[0] + MARGIN)])
-    return [
-        (chart - (chart.max(0) + chart.min(0)) / 2) * scale + [start + size[0] * scale[0] / 2, 0.5]
-        for chart, start, size in zip(charts, starts, sizes, strict=True)
-    ]
+    return in_columns([[chart] for chart in charts])
+
+
+def in_columns(columns: list[list[np.ndarray]]) -> list[np.ndarray]:
+    """As `side_by_side`, with charts above one another in each column; the lowest comes first."""
+    sizes = [np.array([np.ptp(chart, axis=0) for chart in column]) for column in columns]
+    width = sum(column[:, 0].max() for column in sizes)
+    scale_x = (1 - (len(columns) + 1) * MARGIN) / width
+    scale_y = min((1 - (len(column) + 1) * MARGIN) / column[:, 1].sum() for column in sizes)
+    placed, left = [], MARGIN
+    for column, size in zip(columns, sizes, strict=True):
+        wide, high = size[:, 0].max() * scale_x, size[:, 1] * scale_y
+        gap = (1 - high.sum()) / (len(column) + 1)
+        bottom = gap
+        for chart, height in zip(column, high, strict=True):
+            middle = (chart.max(0) + chart.min(0)) / 2
+            placed.append((chart - middle) * [scale_x, scale_y] + [left + wide / 2, bottom + height / 2])
+            bottom += height + gap
+        left += wide + MARGIN
+    return placed

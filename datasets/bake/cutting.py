@@ -104,6 +104,15 @@ def loosen(
     return points
 
 
+def grown(points: np.ndarray, faces: np.ndarray, by: np.ndarray | float) -> np.ndarray:
+    """The garment for a body that is larger on all sides by so much [m], shape (V,), evened out; shape (V, 3) [m]."""
+    facing, mean = normals(points, faces), averaging(faces, len(points))
+    by = np.broadcast_to(by, len(points))
+    for _ in range(40):
+        by, facing = mean @ by, mean @ facing
+    return points + (by / np.linalg.norm(facing, axis=1))[:, None] * facing
+
+
 def frontness(points: np.ndarray, joints: dict[str, np.ndarray]) -> np.ndarray:
     """Positive before the side seams, the shoulder seams and the lines along sleeves and legs; shape (V,)."""
     shoulder, elbow, wrist = joints["upper_arm.L"], joints["fore_arm.L"], joints["hand.L"]

