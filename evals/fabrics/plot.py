@@ -6,7 +6,7 @@ import matplotlib
 import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle
+from matplotlib.patches import Ellipse
 
 from garmentbench.evals.validation.drape import TABLE
 from garmentbench.report.plots import STYLE, svg
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 CLOTH, DARK = np.array([0.0, 0.447, 0.698]), 0.25
 LIGHT = np.array([0.3, -0.5, 0.8])
+ELEVATION = np.radians(20.0)
 REACH = 0.16  # [m] that is shown
 
 
@@ -26,9 +27,10 @@ def drapes_plot(draped: dict[str, tuple[np.ndarray, np.ndarray]]) -> bytes:
         rows = figure.subplots(2, len(draped), squeeze=False)
         for (above, side), (name, (positions, faces)) in zip(rows.T, draped.items(), strict=True):
             _paint(above, *_from_above(positions), positions, faces)
-            above.add_patch(Circle((0, 0), TABLE, fill=False, linewidth=0.6, color="#1d2329"))
             above.set(xlim=(-REACH, REACH), ylim=(-REACH, REACH), title=name.replace("_", " "))
             _paint(side, *_from_the_side(positions), positions, faces)
+            for axes, flat in ((above, 1.0), (side, np.sin(ELEVATION))):
+                axes.add_patch(Ellipse((0, 0), 2 * TABLE, 2 * TABLE * flat, facecolor="#dfe3e6", zorder=3))
             side.set(xlim=(-REACH, REACH), ylim=(-0.1, 0.07))
         return svg(figure)
 
@@ -38,8 +40,8 @@ def _from_above(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _from_the_side(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """From 20 degrees above."""
-    c, s = np.cos(np.radians(20)), np.sin(np.radians(20))
+    """From a little above."""
+    c, s = np.cos(ELEVATION), np.sin(ELEVATION)
     return np.column_stack([x[:, 0], c * x[:, 2] + s * x[:, 1]]), s * x[:, 2] - c * x[:, 1]
 
 
