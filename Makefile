@@ -7,7 +7,7 @@ BIN := .venv/bin
 export GARMENTBENCH_HOME := $(CURDIR)
 RUN := $(BIN)/garmentbench
 
-.PHONY: evals test lint report data validation fabrics convergence crosscheck clean
+.PHONY: evals test lint report data validation fabrics difficulty convergence crosscheck clean
 evals: $(BIN)/.installed
 	$(RUN) evals --preset $(PRESET) --seeds $(SEEDS)
 
@@ -34,6 +34,10 @@ validation: $(BIN)/.installed
 
 fabrics: $(BIN)/.installed
 	$(RUN) evals fabrics --preset $(PRESET)
+
+# What each scene asks for: pose alone, dynamics, or more than can be foretold (tens of minutes).
+difficulty: $(BIN)/.installed
+	$(RUN) evals difficulty --preset $(PRESET)
 
 convergence: $(BIN)/.installed
 	$(RUN) evals convergence --preset $(PRESET)
