@@ -63,9 +63,12 @@ class Experiment(ABC):
 
 
 def finished_rows(experiment: Experiment, preset: Preset) -> list[Row]:
-    """The rows of an experiment all of whose runs are finished, by this code; none otherwise."""
+    """The rows of an experiment all of whose runs are finished, by this code; none otherwise, or where its runs aren't
+    known before they are made."""
     work, store = experiment.work(preset, 1), RunStore()
-    if not all((store.root / i / "run.json").is_file() and store.get(i).finished for i in work.runs.values()):
+    if not work.runs or not all(
+        (store.root / i / "run.json").is_file() and store.get(i).finished for i in work.runs.values()
+    ):
         return []
     return work.rows(dict(work.runs))
 

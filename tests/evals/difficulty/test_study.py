@@ -10,6 +10,7 @@ from garmentbench import sequence_file
 from garmentbench.evals.difficulty.measures import measured, pca_floor, variation
 from garmentbench.evals.difficulty.study import STUDY
 from garmentbench.evals.difficulty.table import difficulty_table
+from garmentbench.evals.experiment import finished_rows
 from garmentbench.evals.own import read_experiments
 from garmentbench.evals.run import write_results
 from garmentbench.evaluation.results import Row
@@ -57,6 +58,11 @@ def test_it_trains_on_the_varied_set_and_tests_on_nothing_of_it():
     assert {job.key[1] for job in STUDY.work(preset("smoke"), 1).jobs.values() if job.key[0] == "train"} == {
         "pleated_skirt@walk-dance"
     }
+
+
+def test_beside_other_experiments_it_is_not_taken_for_finished(home):
+    """Its runs aren't known before they are made: `make evals`, which makes none of them, has no rows of it."""
+    assert STUDY.on_request and finished_rows(STUDY, preset("smoke")) == []
 
 
 def test_what_failed_keeps_its_lines(tmp_path):
