@@ -130,7 +130,10 @@ def press(c: Cloth, k: Constraints, p: Physics, j: int, since: float) -> float:
         speed = wp.dot(blend(c.v, k.index[j], k.weight[j]) - k.velocity[j], k.normal[j])
         q = p.contact_frequency * p.dt
         damp = q * q + 2.0 * p.contact_damping * q
-        penetration = wp.min(k.gap[j] - apart(c, k, j, since), p.contact_depth)
+        deepest = p.contact_depth
+        if k.kind[j] == BODY:
+            deepest += k.gap[j]  # tight cloth has to be carried before the skin is through
+        penetration = wp.min(k.gap[j] - apart(c, k, j, since), deepest)
         push = wp.max(0.0, (p.contact_frequency * q * penetration - damp * speed) / (1.0 + damp))
     k.push[j] = push
     return push
