@@ -29,7 +29,7 @@ class Material:
         drag_along: The same along the cloth [1], of both faces together: friction of the air.
         friction: Coulomb's coefficient against the body [1].
         thickness: Distance that vertices keep from the body, and layers of cloth from each other [m]. Centres of faces
-            and middles of edges keep four fifths of it from the body.
+            and middles of edges keep half of it from the body.
     """
 
     density: Positive = 0.2

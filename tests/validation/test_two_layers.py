@@ -43,7 +43,7 @@ def test_beyond_its_border_there_is_no_inside():
     end = drop(0.6, HEIGHT + 0.01, beneath(frames=60), frames=60)
     from_middle = np.abs(end[:, :2]).max(axis=1)
     near, over = (from_middle > 0.14) & (from_middle < 0.2), from_middle < 0.09
-    assert near.sum() > 4 and np.mean(end[near, 2] < HEIGHT) > 0.8  # a fold may stand up at a corner
+    assert near.sum() > 4 and np.mean(end[near, 2] < HEIGHT) > 0.7  # folds may stand up at corners
     assert over.sum() > 4 and (end[over, 2] > HEIGHT).all()
 
 
