@@ -6,6 +6,8 @@ from typing import Literal
 
 from tyro.conf import Positional
 
+from garmentbench.errors import UsageError
+
 
 @dataclass(frozen=True)
 class Import:
@@ -68,8 +70,11 @@ class Import:
     def run(self) -> None:
         from garmentbench.device import one_thread, quiet_warp
         from garmentbench.importing.meshes.conventions import Given
+        from garmentbench.importing.meshes.reading import HDF5
         from garmentbench.importing.sequences import Wanted, import_files
 
+        if self.out.suffix.lower() not in HDF5:
+            raise UsageError(f"--out is {self.out}; wanted a name that ends in .h5")
         one_thread()
         quiet_warp()
         given = Given(self.units, self.up, self.fps, self.body_units, self.body_up)

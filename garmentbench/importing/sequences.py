@@ -110,6 +110,9 @@ def import_meshes(garment: MeshSequence, body: MeshSequence | None, wanted: Want
     for mesh in (garment, body):
         if mesh is not None:
             check_frames(mesh, wanted.other_template)
+    if body is not None and garment.frames.shape == body.frames.shape and np.array_equal(garment.still, body.still):
+        do = "name the garment's file, or which of the meshes it is (--mesh, --body-mesh)"
+        raise refusal(garment.where, "garment and body are the same mesh, wanted one worn by the other", do)
     pair = paired(garment, body, wanted.given.fps, wanted.same_start)
     garment, body = pair.garment, pair.body
     found = find_conventions(garment, body, replace(wanted.given, fps=pair.fps), wanted.kind == HUMAN)

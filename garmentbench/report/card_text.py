@@ -117,6 +117,8 @@ def _row(card: Card, fact: Fact) -> str:
 
 def _value(card: Card, fact: Fact) -> str:
     value = card.numbers.get(fact.name)
+    if fact.name == "depth_p95" and card.numbers.get("interpenetration_strict") == 0:
+        return "–"  # the depth of none
     if value is None:
         applies = (
             not (fact.name in NEEDS_INSIDE and card.numbers.get("has_inside") == 0) and fact.name != "first_bad_frame"

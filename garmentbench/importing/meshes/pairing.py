@@ -41,6 +41,7 @@ def paired(garment: MeshSequence, body: MeshSequence | None, fps: float | None, 
     if body is None or len(body.frames) == 1 or garment.times is None or body.times is None:
         return Paired(garment, body, fps)
     _refuse_other_rate(garment, body, fps)
+    _refuse_other_sampling(garment, body)
     (ours, theirs), notes = _comparable(garment, body, fps)
     if same_start:
         ours, theirs = ours - ours[0], theirs - theirs[0]
@@ -54,10 +55,10 @@ def paired(garment: MeshSequence, body: MeshSequence | None, fps: float | None, 
     near = np.minimum(near, len(theirs) - 1)
     kept = np.flatnonzero(np.abs(theirs[near] - ours) <= tolerance)
     spans = f"the garment's frames are from {_span(garment, ours)}, the body's from {_span(body, theirs)}"
-    if not len(kept):
+    if not len(kept) or (len(kept) == 1 and min(len(ours), len(theirs)) > 1):
         raise refusal(
             garment.where,
-            f"no frame in common: {spans}",
+            f"{'only one' if len(kept) else 'no'} frame in common: {spans}",
             "export both over the same frames, or give --same-start if both begin at the same moment all the same",
         )
     common = float(np.median(np.diff(ours[kept]))) if len(kept) > 1 else max(steps)
@@ -91,6 +92,15 @@ def _refuse_other_rate(garment: MeshSequence, body: MeshSequence, fps: float | N
             f"--fps is {fps:g}, but the garment's file states {garment.fps:g} frames a second and the body's "
             f"{body.fps:g}; leave --fps out: they are paired by their times"
         )
+
+
+def _refuse_other_sampling(garment: MeshSequence, body: MeshSequence) -> None:
+    """Of two PC2 files one states frames a second in the place of its sampling, and the other doesn't."""
+    if _formats(garment) | _formats(body) != {".pc2"} or (garment.fps is None) == (body.fps is None):
+        return
+    stated, other = (garment, body) if garment.fps else (body, garment)
+    found = f"its sampling is {stated.fps:g}, that of {other.where} is not: frames a second, or every so many"
+    raise refusal(stated.where, f"{found}?", "export both with the same sampling, 1 if possible")
 
 
 def _comparable(

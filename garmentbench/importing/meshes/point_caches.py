@@ -92,7 +92,7 @@ def read_pc2(path: Path, template: MeshSequence) -> MeshSequence:
     elif step != 1:
         notes = (
             *notes,
-            f"its sampling of {sampling:g}: one sample every {sampling:g} frames; --fps is the rate of the samples",
+            f"its sampling of {sampling:g}: one sample every {sampling:g} frames; --fps is of samples",
         )
     times = (start if np.isfinite(start) else 0.0) + step * np.arange(samples)
     return with_template(path, frames, template, times, True, rate, notes)

@@ -92,7 +92,14 @@ def test_02_another_order_of_vertices(capsys, tmp_path):
     folder = CASES / "02-pc2-vertex-order"
     body = ("--body", folder / "body.pc2", "--body-template", folder / "body.obj", "--fps", 24)
     line = refused(
-        capsys, "import", folder / "garment.pc2", "--template", folder / "garment_perm.obj", *body, "--out", tmp_path
+        capsys,
+        "import",
+        folder / "garment.pc2",
+        "--template",
+        folder / "garment_perm.obj",
+        *body,
+        "--out",
+        tmp_path / "x.h5",
     )
     assert "garment_perm.obj has other proportions than frame 0" in line and "another order of vertices?" in line
     sequence(capsys, tmp_path, folder / "garment.pc2", "--template", folder / "garment.obj", *body)

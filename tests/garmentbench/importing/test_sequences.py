@@ -128,6 +128,22 @@ def test_how_much_is_inside_is_a_warning_and_most_of_it_an_error(home, capsys, w
             assert "- warning: interpenetration: " in card
 
 
+def test_the_depth_of_none_inside_is_no_number(home, capsys):
+    write_npz(home / "cloth.npz", CLOTH)
+    write_npz(home / "body.npz", BODY)
+    assert typed(capsys, "import", "cloth.npz", "--body", "body.npz", "--out", "x.h5")[0] == 0
+    card = typed(capsys, "card", "x.h5")[1]
+    assert "| strict, by signed distance [%] | 0 |" in card and "| depth of those, 95th percentile [mm] | – |" in card
+
+
+def test_the_body_as_its_own_garment_and_an_odd_name_to_write_to(home, capsys):
+    write_npz(home / "body.npz", BODY)
+    code, _, err = typed(capsys, "import", "body.npz", "--body", "body.npz", "--make-uv", "--out", "x.h5")
+    assert code == 1 and "body.npz: garment and body are the same mesh, wanted one worn by the other; name" in err[0]
+    code, _, err = typed(capsys, "import", "body.npz", "--out", "x.obj")
+    assert code == 2 and err == ["garmentbench: --out is x.obj; wanted a name that ends in .h5"]
+
+
 def dancer(frames: int = 16) -> tuple[MeshSequence, MeshSequence]:
     """A bodysuit that keeps to a body which steps aside, in a pose that is no mirror image of itself."""
     baked, suit = load_body("base", "small"), load_garment("bodysuit", "smoke")

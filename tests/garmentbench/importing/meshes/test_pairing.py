@@ -190,6 +190,23 @@ def test_formats_that_count_from_one_and_from_zero_begin_together(tmp_path, caps
     assert code == 0 and "frames: 7 that both have" in out and together(tmp_path / "again" / "x.h5") == 7
 
 
+@pytest.mark.parametrize("write", FORMATS)
+def test_a_single_common_frame_is_no_motion(tmp_path, capsys, write):
+    code, _, err = run(tmp_path, capsys, write, (7.0, 1.0), (0.0, 1.0), *fps_of(write))
+    assert code == 1 and len(err) == 1 and "only one frame in common" in err[0]
+
+
+def test_two_meanings_of_a_sampling_are_asked_about(tmp_path, capsys):
+    """24 is every 24th frame, or frames a second; 1 beside it doesn't tell."""
+    code, _, err = run(tmp_path, capsys, pc2, (0.0, 24.0), (0.0, 1.0), "--fps", "24")
+    assert (
+        code == 1 and len(err) == 1 and "its sampling is 24" in err[0] and "frames a second, or every so many" in err[0]
+    )
+    (tmp_path / "again").mkdir()
+    code, out, _ = run(tmp_path / "again", capsys, pc2, (0.0, 24.0), (0.0, 24.0))
+    assert code == 0 and "fps: 24 (as the file says)" in out and out.count("its sampling of 24 is taken as frames") == 2
+
+
 def test_a_body_that_stands_still_has_no_time():
     still = replace(MESHES["body"], frames=MESHES["body"].frames[:1], times=np.array([100.0]))
     cloth = replace(moving("garment"), times=np.arange(T) / 25)
