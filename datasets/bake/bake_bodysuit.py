@@ -13,8 +13,8 @@ from sizes import VERTICES
 from surface import Skin
 from tights import SOURCE, fine_tights
 
-LEGS = 0.93, 0.83  # [m] heights between which the legs are turned outwards, before they are laid flat
-SPREAD = np.radians(22)  # round the hip joints
+LEGS = 0.92  # [m] height from which they are spread before they are laid flat
+SPREAD = 0.4  # sideways over down
 ABOVE_ANKLES = 0.06  # [m], against the ankle joints
 
 
@@ -25,26 +25,22 @@ def fine_bodysuit(skin: Skin) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.nd
     pattern = Pattern(
         sleeve=("fore_arm.L", "hand.L", 0.9),
         hem=joints["foot.L"][2] + ABOVE_ANKLES,
-        ease_top=0.008,
-        ease_hem=0.008,
-        ease_sleeve=0.008,
-        ease_armpit=0.02,
-        rounds=4,
+        ease_top=0.012,
+        ease_hem=0.020,
+        ease_sleeve=0.022,
+        ease_armpit=0.08,
+        rounds=6,
     )
     points, faces, arm = cut(points, faces, arm, joints, pattern)
     points = loosen(points, faces, arm, joints, pattern, skin)
     points, faces = gpytoolbox.subdivide(points, faces, method="loop")[:2]
-    return points, faces, frontness(points, joints), spread(points, joints["thigh.L"])
+    return points, faces, frontness(points, joints), spread(points)
 
 
-def spread(points: np.ndarray, hip: np.ndarray) -> np.ndarray:
-    """Points with the legs further apart, turned round the hip joints; hip: the left one; shape (V, 3) [m]."""
-    below = np.clip((LEGS[0] - points[:, 2]) / (LEGS[0] - LEGS[1]), 0, 1)
-    angle = SPREAD * below**2 * (3 - 2 * below) * np.tanh(np.abs(points[:, 0]) / 0.03)
-    x, z = np.abs(points[:, 0]) - hip[0], points[:, 2] - hip[2]
-    turned = hip[0] + np.cos(angle) * x - np.sin(angle) * z
-    height = hip[2] + np.sin(angle) * x + np.cos(angle) * z
-    return np.column_stack([np.sign(points[:, 0]) * turned, points[:, 1], height])
+def spread(points: np.ndarray) -> np.ndarray:
+    """Points with the legs further apart, shape (V, 3) [m]."""
+    aside = SPREAD * np.maximum(LEGS - points[:, 2], 0) * np.tanh(points[:, 0] / 0.03)
+    return points + aside[:, None] * [1, 0, 0]
 
 
 def main() -> None:
