@@ -28,8 +28,8 @@ class Evals:
         entries = ["skinning", "my_module:MyMethod"]
 
     Attributes:
-        experiments: Names of experiments (validation, fabrics, convergence and crosscheck run only when named), or one
-            file.
+        experiments: Names of experiments (validation, fabrics, difficulty, convergence and crosscheck run only when
+            named), or one file.
         preset: Size: smoke, laptop, desktop or paper.
         mesh: Another size of garment and body than the preset's.
         model: Another size of the methods' networks than the preset's.

@@ -16,7 +16,7 @@ from garmentbench.storage.jobs import Failure
 
 SMOKE = PRESETS["smoke"]
 SHEET = "sheet-stick-b"
-FULL, COMPRESSION, DOUBLED = VARIANTS
+FULL, DOUBLED = VARIANTS
 
 
 @pytest.fixture
@@ -41,15 +41,14 @@ def test_comparisons_share_the_other_engine_s_run_and_are_reused(engine):
     from dataclasses import replace
 
     doubled = replace(DOUBLED, scenes=(SHEET,))
-    made = [compare(load_scene(SHEET), SMOKE, v) for v in (FULL, COMPRESSION, doubled)]
-    assert [v.substeps for v in engine] == [25, 50]  # once for the first two
-    assert compare(load_scene(SHEET), SMOKE, FULL) == made[0] and len(engine) == 2 and len(set(made)) == 3
+    made = [compare(load_scene(SHEET), SMOKE, v) for v in (FULL, doubled)]
+    assert [v.substeps for v in engine] == [25, 50]
+    assert compare(load_scene(SHEET), SMOKE, FULL) == made[0] and len(engine) == 2 and len(set(made)) == 2
 
 
 def test_rows_have_the_distance_its_doubt_and_the_match(engine):
     assert finished_rows(STUDY, SMOKE) == []
-    for variant in (FULL, COMPRESSION):
-        compare(load_scene(SHEET), SMOKE, variant)
+    compare(load_scene(SHEET), SMOKE, FULL)
     rows = finished_rows(STUDY, SMOKE)
     values = {(r.variant, r.metric): r for r in rows}
     plain = values["full", "difference"]
@@ -57,14 +56,13 @@ def test_rows_have_the_distance_its_doubt_and_the_match(engine):
     assert values["full", "ms_per_frame"].value == 600 and 0 < values["full", "ms_per_frame"].reference_value < 600
     assert values["full", "match_hanging"].value == pytest.approx(0.4)
     assert values["full", "match_cantilever"].value == pytest.approx(1.25)
-    assert values["compression_1", "difference"].value != plain.value
     assert ("full", "interpenetration") not in values  # there is no human body
 
 
 def test_a_comparison_that_failed_keeps_its_row(engine):
     work = STUDY.work(SMOKE, 1)
     rows = work.rows({key: Failure("cross-check", "no such luck") for key in work.jobs})
-    assert [r.status for r in rows] == ["failed"] * 2 and "no such luck" in rows[0].run_id
+    assert [r.status for r in rows] == ["failed"] and "no such luck" in rows[0].run_id
 
 
 def test_without_newton_nothing_is_begun(monkeypatch, tmp_path):

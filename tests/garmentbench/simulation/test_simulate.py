@@ -49,7 +49,7 @@ def test_progress_is_told():
 
 def test_moved_and_turned_scene_moves_alike():
     """Slowed down, so that rounding doesn't grow."""
-    slow = replace(SCENE, simulation=Settings(settling=10.0))
+    slow = replace(SCENE, simulation=Settings(settling=60.0))
     far = replace(slow, motion=replace(SCENE.motion, translate=(1000.0, 0.0, 0.0), turn=90.0))
     back = simulate(far, SMOKE).garment.astype(np.float64) - [1000, 0, 0]
     back = np.stack([back[..., 1], -back[..., 0], back[..., 2]], axis=-1)
