@@ -54,7 +54,7 @@ def test_nine_commands_lead_from_a_mesh_to_a_report_and_a_picture(home, capsys):
     assert "poncho" in (folder / "reports" / "poncho-smoke" / "index.html").read_text()
     (recording,) = opened
     assert RunStore().get(recording.parent.name).identity["scene"] == "poncho-armspace-90-slim"
-    assert "±" in capsys.readouterr().out
+    assert "spread" in capsys.readouterr().out
 
 
 def test_a_scene_without_an_entry_has_a_name_from_then_on(home):
