@@ -318,7 +318,9 @@ def test_a_disk_that_fills_leaves_no_result_that_looks_whole(tiny, home, capsys,
     full = process(
         home,
         *evaluate("Good", tiny),
-        before=f"import resource; resource.setrlimit(resource.RLIMIT_FSIZE, 2 * ({limit},))",
+        # A module compiled now would be cut off, and stay so.
+        before="import resource; sys.dont_write_bytecode = True; "
+        f"resource.setrlimit(resource.RLIMIT_FSIZE, 2 * ({limit},))",
     )
     err = full.communicate(timeout=60)[1].splitlines()
     assert full.returncode == 1 and "can't be written" in err[-1] and "same command again" in err[-1]

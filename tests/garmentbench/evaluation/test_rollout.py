@@ -256,6 +256,7 @@ from pathlib import Path
 import numpy as np
 from garmentbench.errors import UserError
 from garmentbench.evaluation.rollout import RollOut
+sys.dont_write_bytecode = True  # a module compiled now would be cut off, and stay so
 resource.setrlimit(resource.RLIMIT_FSIZE, (9_000, 9_000))
 try:
     RollOut("roll_out", 3, np.random.rand(9, 99, 3).astype("f4"), None, np.ones((9, 3))).save(Path(sys.argv[1]))

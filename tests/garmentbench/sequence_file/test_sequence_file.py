@@ -150,6 +150,7 @@ from pathlib import Path
 from garmentbench.errors import UserError
 from garmentbench.sequence_file.read_write import save
 from garmentbench.evaluation.toy import tiny_sequence
+sys.dont_write_bytecode = True  # a module compiled now would be cut off, and stay so
 resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, {limit}))
 try:
     save(tiny_sequence(20), Path(sys.argv[1]))

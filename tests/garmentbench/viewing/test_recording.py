@@ -151,6 +151,7 @@ from garmentbench.evaluation.rollout import ROLL_OUT, RollOut
 from garmentbench.evaluation.toy import tiny_sequence
 sequence = tiny_sequence(70)
 roll = RollOut(ROLL_OUT, 3, sequence.garment, None, np.ones((70, 3)))
+sys.dont_write_bytecode = True  # a module compiled now would be cut off, and stay so
 resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
 try:
     write_recording(Path({str(path)!r}), sequence, roll, "test")
