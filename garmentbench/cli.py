@@ -12,11 +12,12 @@ import os
 import re
 import sys
 import warnings
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import fields
 from functools import reduce
 from operator import or_
-from typing import Annotated, Any, cast
+from typing import Annotated, Any, cast, get_origin, get_type_hints
 
 import garmentbench
 from garmentbench import paths
@@ -107,7 +108,21 @@ def parse(arguments: list[str]) -> Command:
         raise UsageError(_one_line(box.getvalue())) from None
     if unknown:
         raise _unknown_argument(unknown[0], name, command)
+    _once(arguments, command)
     return command
+
+
+def _once(arguments: list[str], command: Command) -> None:
+    """Raises `UsageError` where an option is given twice that takes all its values at once: all but the last would be
+    dropped."""
+    from tyro.conf import UseAppendAction
+
+    hints = get_type_hints(type(command), include_extras=True)
+    for option, count in Counter(word.split("=")[0] for word in arguments if word.startswith("--")).items():
+        hint = hints.get(option[2:].replace("-", "_"))
+        if count > 1 and hint is not None and UseAppendAction not in getattr(hint, "__metadata__", ()):
+            several = "; all its values stand after it, as in " + option + " A B" if get_origin(hint) is tuple else ""
+            raise UsageError(f"{option} is given {count} times; wanted once{several}")
 
 
 def _text(command: type) -> str:

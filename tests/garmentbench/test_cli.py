@@ -15,8 +15,9 @@ import h5py
 import pytest
 
 from garmentbench import __version__, paths, sequence_file
-from garmentbench.cli import main
+from garmentbench.cli import main, parse
 from garmentbench.commands import COMMANDS
+from garmentbench.errors import UsageError
 from garmentbench.evaluation.toy import tiny_sequence
 from garmentbench.reference import IDENTITY, reference_identity
 from garmentbench.scenes.presets import preset
@@ -63,6 +64,25 @@ def process(home: Path, *arguments: str, before: str = "") -> subprocess.Popen:
     return subprocess.Popen(
         [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=env
     )
+
+
+@pytest.mark.parametrize(
+    "arguments, said",
+    [
+        (
+            ("import-motion", "a.bvh", "--map", "A=pelvis", "--map", "B=neck"),
+            "--map is given 2 times; .* as in --map A B",
+        ),
+        (("import-motion", "a.bvh", "--fps=30", "--fps", "25"), "--fps is given 2 times; wanted once$"),
+    ],
+)
+def test_an_option_that_is_given_twice_is_not_half_dropped(arguments, said):
+    with pytest.raises(UsageError, match=said):
+        parse(list(arguments))
+
+
+def test_an_option_for_several_times_may_be_given_several_times():
+    assert parse(["train", "hold", "--scene", "a", "--scene", "b"]).scene == ("a", "b")
 
 
 def test_help_lists_all_commands_and_loads_nothing_heavy():
