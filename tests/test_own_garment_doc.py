@@ -79,3 +79,20 @@ def test_the_wardrobe_in_the_document_is_one(tmp_path):
     assert skirt.simulation == Settings(queries=6)
     assert skirt.mesh is not None and skirt.mesh.pins == "waistband"
     assert all(f"`{name}`" in TEXT for name in vars(Material()))
+
+
+def test_a_garment_beside_its_body_is_an_error_after_simulating_too(home, capsys):
+    """What `check` says of the mesh, `simulate` says of what it made of it."""
+    folder, _ = home
+    assert main(["bodies", "export", "base", "body.obj"]) == 0
+    write_poncho(folder / "poncho.obj", folder / "body.obj")
+    lines = (folder / "poncho.obj").read_text().splitlines()
+    away = [
+        f"v {float(line.split()[1]) + 2} {' '.join(line.split()[2:])}" if line[0] == "v" else line for line in lines
+    ]
+    (folder / "beside.obj").write_text("\n".join(away))
+    call = ["simulate", "--garment", "beside.obj", "--motion", "armspace-90", "--frames", "4", "--preset", "smoke"]
+    assert main([*call, "--runs", "1"]) == 1
+    told = capsys.readouterr()
+    assert "beside-armspace-90: error: frame 0: no part of 'base' goes through" in told.out
+    assert "1 of 1 failed, the first: beside-armspace-90" in told.err

@@ -113,9 +113,6 @@ class Check:
 
     def _check_sequence(self) -> None:
         from garmentbench import sequence_file
-        from garmentbench.importing.mesh_doctor.examine import examine_template
-        from garmentbench.importing.mesh_doctor.files import mesh_of
-        from garmentbench.importing.mesh_doctor.worn import never_worn
         from garmentbench.sequence_file.examine import check_sequence
         from garmentbench.viewing.first_frame import draw_first_frame
 
@@ -123,12 +120,21 @@ class Check:
         if not errors(problems):
             sequence = sequence_file.load(self.file)
             print(f"{self.file}: {_spread(sequence)}")
-            problems += never_worn(sequence)
-            found = examine_template(mesh_of(sequence.template.garment))
-            problems += [replace(f.problem, where=f"garment {f.problem.where}", warning=True) for f in found]
+            problems += looked_into(sequence)
             if self.picture is not None:
                 draw_first_frame(self.file, self.picture)
         _verdict(self.file, problems)
+
+
+def looked_into(sequence: "Sequence") -> list[Problem]:
+    """What is wrong with a sequence whose file is whole: a garment that isn't worn, and what its mesh is warned of."""
+    from garmentbench.importing.mesh_doctor.examine import examine_template
+    from garmentbench.importing.mesh_doctor.files import mesh_of
+    from garmentbench.importing.mesh_doctor.worn import never_worn
+
+    found = examine_template(mesh_of(sequence.template.garment))
+    mesh = [replace(f.problem, where=f"garment {f.problem.where}", warning=True) for f in found]
+    return never_worn(sequence) + mesh
 
 
 def _shift(given: str) -> tuple[float, float, float]:

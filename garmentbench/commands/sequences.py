@@ -96,10 +96,10 @@ class Simulate:
             if workers > 1
             else [_made(scene, size, self.runs) for scene in scenes]
         )
-        for reference in made:
-            if not isinstance(reference, str):
-                _print(reference, started)
         failed = [message for message in made if isinstance(message, str)]
+        for scene, reference in zip(scenes, made, strict=True):
+            if not isinstance(reference, str):
+                failed += _print(reference, started, own=scene.mesh is not None)
         if failed:
             raise UserError(f"{len(failed)} of {len(made)} failed, the first: {failed[0]}")
 
@@ -132,10 +132,12 @@ class Simulate:
         return known.wearing(scene)
 
 
-def _print(reference: "Reference", started: float) -> None:
+def _print(reference: "Reference", started: float, own: bool) -> list[str]:
     """The sequence's path and spread, where it went wrong, and, if it was made since `started` (a time of
-    `time.time`), what `check` would warn of."""
+    `time.time`), what `check` would say, of a garment of the user's own with whether it is worn. Gives the errors."""
     from garmentbench import sequence_file
+    from garmentbench.commands.check import looked_into
+    from garmentbench.errors import errors
     from garmentbench.metrics.push_growth import regime
     from garmentbench.report.card_text import flaw
     from garmentbench.sequence_file.examine import check_sequence
@@ -155,9 +157,14 @@ def _print(reference: "Reference", started: float) -> None:
     if simulation.get("first_bad_frame") is not None:
         bad = f"{simulation['status']} from frame {simulation['first_bad_frame']} on"
         print(f"{reference.name}: {bad}, see its data card")
-    problems = check_sequence(reference.path) if reference.path.stat().st_mtime >= started - 1 else []
+    problems = []
+    if reference.path.stat().st_mtime >= started - 1:
+        problems = check_sequence(reference.path)
+        if own and not errors(problems):
+            problems += looked_into(sequence_file.load(reference.path))
     for problem in problems:
         print(f"{reference.name}: {'warning' if problem.warning else 'error'}: {problem}")
+    return [f"{reference.name}: {problem}" for problem in errors(problems)]
 
 
 def _made(scene: "Scene", size: "Preset", runs: int | None) -> "Reference | str":
