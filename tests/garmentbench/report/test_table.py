@@ -30,7 +30,7 @@ def read(name: str) -> Table:
 @pytest.mark.parametrize("form", ["md", "tex", "html"])
 def test_committed_tables_are_written_byte_for_byte(form):
     found = sorted(path.stem for path in TABLES.glob("*.md"))
-    assert len(found) > 10
+    assert found
     for name in found:
         assert write(read(name), form) == (TABLES / f"{name}.{form}").read_text(), name
 
