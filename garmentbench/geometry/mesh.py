@@ -50,11 +50,16 @@ def unique_edges(faces: Int[np.ndarray, "faces 3"]) -> Int[np.ndarray, "edges 2"
     return np.unique(np.sort(pairs, axis=1), axis=0)
 
 
-def border_vertices(faces: Int[np.ndarray, "faces 3"]) -> Int[np.ndarray, " border"]:
-    """Vertices of edges that belong to one face only, ascending, shape (N,)."""
+def border_edges(faces: Int[np.ndarray, "faces 3"]) -> Int[np.ndarray, "edges 2"]:
+    """Edges that belong to one face only, lower index first, sorted, shape (N, 2)."""
     pairs = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
     edges, counts = np.unique(pairs, axis=0, return_counts=True)
-    return np.unique(edges[counts == 1])
+    return edges[counts == 1]
+
+
+def border_vertices(faces: Int[np.ndarray, "faces 3"]) -> Int[np.ndarray, " border"]:
+    """Vertices of edges that belong to one face only, ascending, shape (N,)."""
+    return np.unique(border_edges(faces))
 
 
 def edge_lengths(

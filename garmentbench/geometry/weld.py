@@ -6,6 +6,8 @@ from jaxtyping import Float, Int
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
+from garmentbench.geometry.mesh import border_vertices
+
 TOGETHER = 2e-5  # [m] at rest; OBJ files round to a micrometre, the shortest edges of dense meshes are 0.1 mm
 
 
@@ -29,9 +31,7 @@ def touching_borders(
     rest: Float[np.ndarray, "vertices 3"], faces: Int[np.ndarray, "faces 3"], distance: float
 ) -> Int[np.ndarray, "pairs 2"]:
     """Pairs of vertices on borders that lie within a distance [m] of each other, shape (S, 2), int64."""
-    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
-    unique, counts = np.unique(edges, axis=0, return_counts=True)
-    border = np.unique(unique[counts == 1])
+    border = border_vertices(faces)
     if not len(border):
         return np.zeros((0, 2), np.int64)
     return border[KDTree(rest[border]).query_pairs(distance, output_type="ndarray")].astype(np.int64)

@@ -20,6 +20,7 @@ import scipy.sparse as sp
 from jaxtyping import Float
 
 from garmentbench.geometry.cloth_rest import cloth_at_rest
+from garmentbench.geometry.mesh import border_edges
 from garmentbench.geometry.weld import weld
 from garmentbench.metrics.metric import Metric
 from garmentbench.sequence import Garment
@@ -47,9 +48,7 @@ def smoother(garment: Garment) -> sp.csr_matrix:
 
 def _rim(faces: np.ndarray, count: int) -> sp.csr_matrix:
     """1 where two points of a border are neighbours along it, shape (P, P)."""
-    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
-    edges, faces_beside = np.unique(edges, axis=0, return_counts=True)
-    a, b = edges[faces_beside == 1].T
+    a, b = border_edges(faces).T
     return sp.csr_matrix((np.ones(2 * len(a)), (np.r_[a, b], np.r_[b, a])), shape=(count, count))
 
 
