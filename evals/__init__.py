@@ -5,11 +5,12 @@ One file or folder each, with what it computes, its table and its pictures.
 
 from garmentbench.evals.ablations import ABLATIONS, TRAINING_LENGTHS
 from garmentbench.evals.baselines import BASELINES
+from garmentbench.evals.contact_sheets.study import SHEETS
 from garmentbench.evals.convergence.study import STUDY as CONVERGENCE
 from garmentbench.evals.crosscheck.study import STUDY as CROSSCHECK
 from garmentbench.evals.data import CARDS
 from garmentbench.evals.difficulty.study import STUDY as DIFFICULTY
-from garmentbench.evals.experiment import Experiment
+from garmentbench.evals.experiment import Companion, Experiment
 from garmentbench.evals.fabrics.study import STUDY as FABRICS
 from garmentbench.evals.left_out import LEAVING_OUT
 from garmentbench.evals.motions.study import STUDY as MOTIONS
@@ -28,6 +29,7 @@ EXPERIMENTS: dict[str, Experiment] = {
         *WARDROBE,
         TRAINING_LENGTHS,
         STABILITY,
+        SHEETS,
         MOTIONS,
         VALIDATION,
         FABRICS,
@@ -37,3 +39,4 @@ EXPERIMENTS: dict[str, Experiment] = {
         CARDS,
     )
 }
+COMPANIONS: tuple[Companion, ...] = (SHEETS, CARDS)

@@ -1,11 +1,13 @@
 """Data cards of all sequences that were used: rows of results.csv, a table of them, a file each."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from garmentbench.evals.experiment import Experiment, Work
+from garmentbench.evals.experiment import Companion, Work
 from garmentbench.evaluation.results import Row
 from garmentbench.metrics.push_growth import regime
+from garmentbench.reference import Source
 from garmentbench.report.card import FACTS, Card, read_card
 from garmentbench.report.card_text import flaws, markdown
 from garmentbench.report.cells import ABSENT, number
@@ -32,12 +34,14 @@ _COLUMNS = (  # of the table: a fact, its title, whether it is a whole number
 )
 
 
-class Cards(Experiment):
-    """It makes no sequences: it has a card of each that the experiments beside it have."""
+class Cards(Companion):
+    """A card of each sequence that the experiments beside it have."""
 
-    def work(self, preset: Preset, seeds: int) -> Work:
+    def beside(self, sources: Iterable[Source], preset: Preset) -> Work:
+        names = [source.name for source in sources]
+
         def rows(results: dict) -> list[Row]:
-            made = [path for key, path in results.items() if key[0] == "sequence" and not isinstance(path, Failure)]
+            made = [path for name in names if not isinstance(path := results["sequence", name], Failure)]
             return [row for path in made for row in card_rows(read_card(path))]
 
         return Work({}, rows)

@@ -1,7 +1,7 @@
 """What an experiment is: something to compute by its name, and the part of the report that shows it."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -60,6 +60,19 @@ class Experiment(ABC):
     @abstractmethod
     def sections(self, results: "Results") -> "list[Section]":
         """Its part of the report, of `results` alone."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Companion(Experiment):
+    """An experiment about whatever sequences those beside it have; it runs whenever any of these does."""
+
+    def work(self, preset: Preset, seeds: int) -> Work:
+        """What it has to do where it is named itself: by default nothing more."""
+        return Work({}, lambda results: [])
+
+    @abstractmethod
+    def beside(self, sources: Iterable[Source], preset: Preset) -> Work:
+        """Its jobs and rows for these sequences, for each of which there is a job ("sequence", its name)."""
 
 
 def finished_rows(experiment: Experiment, preset: Preset) -> list[Row]:

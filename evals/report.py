@@ -15,7 +15,7 @@ from garmentbench.report.page import Ended, page
 from garmentbench.report.table import FORMS, write
 from garmentbench.storage.atomic import written_whole
 
-FOLDERS = ("tables", "plots", "strips", "cards")  # which hold nothing but what is made here
+FOLDERS = ("tables", "plots", "strips", "cards", "contact_sheets")  # which hold nothing but what is made here
 
 
 def make_report(name: str, reports_root: Path, runs_root: Path, own: Iterable[Experiment] = ()) -> Path:

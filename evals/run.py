@@ -9,7 +9,7 @@ from pathlib import Path
 from garmentbench import paths
 from garmentbench.device import require_device
 from garmentbench.errors import UserError, unknown_name
-from garmentbench.evals import CARDS, EXPERIMENTS
+from garmentbench.evals import COMPANIONS, EXPERIMENTS
 from garmentbench.evals.experiment import Experiment, finished_rows
 from garmentbench.evals.own import read_experiments
 from garmentbench.evaluation.results import COLUMNS, Row, warnings
@@ -75,10 +75,11 @@ def _compute(
 ) -> None:
     """Compute experiments, write what `all_rows` makes of their rows into the results.csv at `path`, and report."""
     require_device(preset)
-    experiments = [*chosen, *([] if CARDS in chosen else [CARDS])]  # cards of whatever sequences the others make
-    for experiment in experiments:
+    for experiment in chosen:
         experiment.require()
-    works = [experiment.work(preset, seeds or experiment.seeds) for experiment in experiments]
+    works = [experiment.work(preset, seeds or experiment.seeds) for experiment in chosen]
+    sequences = {key: job for work in works for key, job in work.jobs.items() if key[0] == "sequence"}
+    works += [companion.beside([job.arguments[0] for job in sequences.values()], preset) for companion in COMPANIONS]
     jobs = {key: job for work in works for key, job in work.jobs.items() if key[0] == "sequence" or not data_only}
     os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
     results = run_jobs(jobs, core_count())

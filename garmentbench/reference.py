@@ -129,6 +129,12 @@ def make_reference(source: Source, preset: Preset, runs: int | None = None) -> R
     return Reference(source.name, path, identity, reused)
 
 
+def stored(scene: Scene, preset: Preset) -> bool:
+    """Is a scene's reference there, made from the same by the same code, with as many runs as it is to have?"""
+    path = sequence_path(preset.mesh.name, scene.name)
+    return path.is_file() and _is_made_from(path, reference_identity(scene, preset), runs_wanted(scene))
+
+
 def reference_identity(scene: Scene, preset: Preset) -> str:
     """Hash of all that decides a reference: the scene, those beneath it, their assets, the mesh size and the code."""
     beneath = None if scene.worn_over is None else reference_identity(scene.worn_over, preset)

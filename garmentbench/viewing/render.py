@@ -17,7 +17,8 @@ BACKGROUND = (1.0, 1.0, 1.0)
 ERROR_COLOURS = "YlOrRd"
 ERROR_SCALE_CM = 5.0  # error colours run from 0 to this, in every picture and recording
 
-VIEWS = {"front": 0.0, "three-quarter": 35.0, "side": 90.0, "back": 180.0}  # camera's turn round the body [degrees]
+# Camera's turn round the body [degrees]
+VIEWS = {"front": 0.0, "three-quarter": 35.0, "side": 90.0, "back": 180.0, "other side": 270.0}
 _ELEVATION = 8.0  # the camera looks down by this [degrees]
 _HALF_FOV = np.tan(np.radians(11.0))  # of the picture's shorter side
 _SAMPLES = 2  # 2 x 2 rays a pixel

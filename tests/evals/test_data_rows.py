@@ -8,6 +8,7 @@ from garmentbench import sequence_file
 from garmentbench.evals.data import CARDS, cards_in
 from garmentbench.evals.run import merged, write_results
 from garmentbench.evaluation.toy import tiny_sequence
+from garmentbench.reference import SequenceFile
 from garmentbench.report.lines import read_results
 from garmentbench.scenes.presets import preset
 from garmentbench.storage.jobs import Failure
@@ -27,10 +28,11 @@ def test_cards_reach_results_and_stay_when_other_experiments_are_made_again(tmp_
         }
         sequence_file.save(replace(tiny_sequence(20), info=info), tmp_path / f"{name}.h5")
         results["sequence", name] = tmp_path / f"{name}.h5"
-    rows = CARDS.work(SMOKE, 1).rows(results)
+    scenes = [SequenceFile(tmp_path / f"{name}.h5") for name in ("broken", "a", "b")]
+    rows = CARDS.beside(scenes, SMOKE).rows(results)
     path = tmp_path / "results.csv"
     write_results(path, rows)
-    again = merged(path, CARDS.work(SMOKE, 1).rows({("sequence", "b"): tmp_path / "b.h5"}))
+    again = merged(path, CARDS.beside(scenes[2:], SMOKE).rows(results))
     assert len(again) == len(rows)
     write_results(path, again)
     cards = cards_in(read_results(path))

@@ -41,7 +41,7 @@ def test_the_body_s_left_is_on_the_right_of_a_front_view_and_near_in_a_side_view
     assert reddish[:, 1].min() > bluish[:, 1].max()
 
 
-@pytest.mark.parametrize("view", ["front", "three-quarter", "side", "back"])
+@pytest.mark.parametrize("view", ["front", "three-quarter", "side", "back", "other side"])
 def test_all_of_the_focus_box_is_in_the_picture(view):
     corners = np.array([[x, y, z] for x in BOX[:, 0] for y in BOX[:, 1] for z in BOX[:, 2]])
     hull = RenderMesh(
