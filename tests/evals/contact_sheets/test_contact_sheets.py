@@ -1,4 +1,4 @@
-"""Contact sheets: the frame that is shown, what is found in it, and the way into a report, the same bytes every time."""
+"""Contact sheets: the frame shown, what is found in it, and the way into a report, the same bytes every time."""
 
 from dataclasses import replace
 
