@@ -13,7 +13,7 @@ from garmentbench.errors import UsageError, UserError
 from garmentbench.importing.mesh_doctor.orientation import faces_inward
 from garmentbench.importing.mesh_doctor.worn import unit_question
 from garmentbench.importing.meshes.conventions import Conventions, Given, find_conventions, unit_name
-from garmentbench.importing.meshes.frame_check import check_frames
+from garmentbench.importing.meshes.frame_check import check_frames, check_rest
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence, refusal, without_spare
 from garmentbench.importing.meshes.pairing import paired
 from garmentbench.importing.meshes.placing import outward, placed_frames, placed_rest
@@ -107,9 +107,10 @@ def import_meshes(garment: MeshSequence, body: MeshSequence | None, wanted: Want
     Raises `UserError`, one line with advice, for what is unclear, doesn't fit together, or is not finite.
     """
     garment, body = without_spare(garment), None if body is None else without_spare(body)
-    for mesh in (garment, body):
-        if mesh is not None:
-            check_frames(mesh, wanted.other_template)
+    odd: list[str] = []
+    skin = wanted.kind == HUMAN
+    if not wanted.other_template:
+        odd = check_rest(garment) + ([] if body is None else check_rest(body, skin))
     if body is not None and garment.frames.shape == body.frames.shape and np.array_equal(garment.still, body.still):
         do = "name the garment's file, or which of the meshes it is (--mesh, --body-mesh)"
         raise refusal(garment.where, "garment and body are the same mesh, wanted one worn by the other", do)
@@ -118,8 +119,11 @@ def import_meshes(garment: MeshSequence, body: MeshSequence | None, wanted: Want
     found = find_conventions(garment, body, replace(wanted.given, fps=pair.fps), wanted.kind == HUMAN)
     timed = garment.times is not None or (body is not None and body.times is not None)
     count = _frame_count(len(garment.frames), None if body is None else len(body.frames), wanted.frames, timed)
+    check_frames(garment, count)
+    if body is not None:
+        check_frames(body, count, skin)
     mesh = vertex_uv(garment, wanted.make_uv)
-    notes = [*found.assumed, *pair.notes, *_reading_notes(garment), *(f"garment: {note}" for note in mesh.notes)]
+    notes = [*found.assumed, *odd, *pair.notes, *_reading_notes(garment), *(f"garment: {note}" for note in mesh.notes)]
     frames = placed_frames(garment, mesh.origin, found.unit[0], found.up[0], count)
     rest, turned = placed_rest(garment, mesh.origin, found.unit[0], found.up[0], frames[0])
     seams = seam_pairs(mesh.origin, mesh.faces, rest, frames)

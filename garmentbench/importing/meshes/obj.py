@@ -86,7 +86,7 @@ def read_series(
     read = replace(_sequence(name, tuple(files), part, frames, notes), times=_numbers(files), counted=True)
     if template is None:
         return read
-    return MeshSequence(**vars(read) | {"rest": part.positions, "files": (template, *files)})
+    return MeshSequence(**vars(read) | {"rest": part.positions, "files": (*files, template)})
 
 
 def write_series(folder: Path, mesh: MeshSequence, step: Step = lambda: None) -> list[Path]:

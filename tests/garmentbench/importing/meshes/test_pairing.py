@@ -1,124 +1,21 @@
-"""Garment and body are paired by their times, in every format that has times, and belong to their templates."""
+"""Garment and body are paired by their times, in every format that has times."""
 
-import struct
 from dataclasses import replace
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+from cache_example import FORMATS, STATE_RATE, T, alembic, mdd, moving, npz, obj, pc2, run, usd
 from exchange_example import MESHES, imported, typed
 
-from garmentbench.errors import UserError
 from garmentbench.importing.meshes.arrays import write_npz
-from garmentbench.importing.meshes.frame_check import check_frames
-from garmentbench.importing.meshes.mesh_sequence import MeshSequence
-from garmentbench.importing.meshes.obj import write_series, write_template
 from garmentbench.importing.meshes.pairing import paired
-from garmentbench.importing.meshes.point_caches import write_mdd, write_pc2
 from garmentbench.importing.meshes.reading import read_both
-from garmentbench.motion.gait import GAITS
-from garmentbench.motion.walk import walk
-from garmentbench.scenes.bodies import load_body, pose
-
-T, STEP = 8, np.float32([0.02, 0.0, 0.0])  # everything moves by 2 cm a frame of 25 a second
-
-
-def moving(name: str, start: float = 0.0, every: float = 1.0) -> MeshSequence:
-    """Garment or body, its frames from `start` on [frames], one in `every`."""
-    mesh = MESHES[name]
-    at = start + every * np.arange(T)
-    frames = mesh.frames[:1] + at[:, None, None].astype(np.float32) * STEP
-    return replace(mesh, frames=frames, fps=25.0 / every)
-
-
-def pc2(folder: Path, name: str, start: float, every: float) -> list:
-    write_pc2(folder / f"{name}.pc2", moving(name, start, every))
-    data = bytearray((folder / f"{name}.pc2").read_bytes())
-    data[20:28] = struct.pack("<ff", start, every)
-    (folder / f"{name}.pc2").write_bytes(data)
-    write_template(folder / f"{name}.obj", moving(name))
-    return [folder / f"{name}.pc2", folder / f"{name}.obj"]
-
-
-def mdd(folder: Path, name: str, start: float, every: float) -> list:
-    write_mdd(folder / f"{name}.mdd", moving(name, start, every))
-    data = bytearray((folder / f"{name}.mdd").read_bytes())
-    times = (start + every * np.arange(T)) / 25
-    data[8 : 8 + 4 * T] = times.astype(">f4").tobytes()
-    (folder / f"{name}.mdd").write_bytes(data)
-    write_template(folder / f"{name}.obj", moving(name))
-    return [folder / f"{name}.mdd", folder / f"{name}.obj"]
-
-
-def obj(folder: Path, name: str, start: float, every: float) -> list:
-    written = write_series(folder / "first", moving(name, start, every))
-    (folder / name).mkdir()
-    for k, path in enumerate(written):
-        path.rename(folder / name / f"{name}_{round(100 + start + every * k):04d}.obj")
-    write_template(folder / f"{name}.obj", moving(name))
-    return [folder / name, folder / f"{name}.obj"]
-
-
-def npz(folder: Path, name: str, start: float, every: float) -> list:
-    write_npz(folder / f"{name}.npz", moving(name, start, every))
-    with np.load(folder / f"{name}.npz") as arrays:
-        np.savez(folder / f"{name}.npz", **{**arrays, "times": (start + every * np.arange(T)) / 25})
-    return [folder / f"{name}.npz", None]
-
-
-def usd(folder: Path, name: str, start: float, every: float) -> list:
-    pytest.importorskip("pxr")
-    from pxr import Usd, UsdGeom, Vt
-
-    mesh = moving(name, start, every)
-    stage = Usd.Stage.CreateNew(str(folder / f"{name}.usdc"))
-    stage.SetTimeCodesPerSecond(25)
-    prim = UsdGeom.Mesh.Define(stage, f"/{name}")
-    prim.CreateFaceVertexCountsAttr([3] * len(mesh.faces))
-    prim.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(mesh.faces.ravel().astype(np.int32)))
-    points = prim.CreatePointsAttr()
-    for k, frame in enumerate(mesh.frames):
-        points.Set(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(frame)), 1 + start + every * k)
-    stage.GetRootLayer().Save()
-    write_template(folder / f"{name}.obj", mesh)
-    return [folder / f"{name}.usdc", folder / f"{name}.obj"]
-
-
-def alembic(folder: Path, name: str, start: float, every: float) -> list:
-    pytest.importorskip("alembic3d")
-    import imath
-    from alembic3d import Abc, AbcCoreAbstract, AbcGeom
-
-    def filled(kind, values):
-        array = kind(len(values))
-        np.asarray(memoryview(array))[:] = values
-        return array
-
-    mesh = moving(name, start, every)
-    top = Abc.OArchive(str(folder / f"{name}.abc")).getTop()
-    rate = top.getArchive().addTimeSampling(AbcCoreAbstract.TimeSampling(every / 25, (1 + start) / 25))
-    schema = AbcGeom.OPolyMesh(top, name, rate).getSchema()
-    faces = filled(imath.IntArray, mesh.faces[:, ::-1].ravel())
-    for frame in mesh.frames:
-        counts = filled(imath.IntArray, np.full(len(mesh.faces), 3))
-        schema.set(AbcGeom.OPolyMeshSchemaSample(filled(imath.V3fArray, frame), faces, counts))
-    write_template(folder / f"{name}.obj", mesh)
-    return [folder / f"{name}.abc", folder / f"{name}.obj"]
-
-
-FORMATS = [pc2, mdd, obj, npz, usd, alembic]
-
-
-def run(tmp_path, capsys, write, garment=(0.0, 1.0), body=(0.0, 1.0), *more, write_body=None):
-    (cloth, cut), (skin, shape) = write(tmp_path, "garment", *garment), (write_body or write)(tmp_path, "body", *body)
-    templates = ["--template", cut] * (cut is not None) + ["--body-template", shape] * (shape is not None)
-    common = ["--kind", "object", "--units", "m", "--up", "z", "--out", tmp_path / "x.h5"]
-    return typed(capsys, "import", cloth, "--body", skin, *templates, *common, *more)
 
 
 def fps_of(write) -> tuple:
-    return () if write in (mdd, npz, usd, alembic) else ("--fps", "25")
+    return () if write in STATE_RATE else ("--fps", "25")
 
 
 def together(path: Path) -> int:
@@ -235,67 +132,3 @@ def test_hdf5_texts_and_numbers_as_attributes(tmp_path):
         file["positions"], file["faces"] = mesh.frames, mesh.faces
         file.create_dataset("up", data="y", dtype=h5py.string_dtype())
     assert read_both((str(tmp_path / "b.h5"), None, ""), ("", None, ""))[0].up == "y"
-
-
-# Templates and frames
-
-
-def template_of(mesh: MeshSequence, rest: np.ndarray) -> MeshSequence:
-    return replace(mesh, rest=rest, files=(Path("cache.pc2"), Path("template.obj")))
-
-
-@pytest.mark.parametrize("name", ["garment", "body"])
-def test_a_template_that_is_not_the_frames_is_named_with_its_likely_cause(name):
-    mesh = moving(name)
-    order = np.random.default_rng(0).permutation(len(mesh.still))
-    check_frames(template_of(mesh, mesh.still))
-    with pytest.raises(
-        UserError, match="cache.pc2: template.obj has other proportions .*another order of vertices.*--other-template"
-    ):
-        check_frames(template_of(mesh, mesh.still[order]))
-    with pytest.raises(UserError, match="template.obj is 100 times as large as frame 0: another unit"):
-        check_frames(template_of(mesh, 100 * mesh.still))
-    with pytest.raises(UserError, match="mirror image of frame 0"):
-        check_frames(template_of(mesh, mesh.still * np.float32([-1, 1, 1])))
-    check_frames(template_of(mesh, mesh.still[:, [1, 2, 0]]))  # a turn is placed later
-    check_frames(template_of(mesh, mesh.still[order]), other_template=True)
-    frames = mesh.frames.copy()
-    frames[5] = frames[5][order]
-    with pytest.raises(UserError, match="frame 5 has other proportions than frame 0"):
-        check_frames(replace(mesh, frames=frames))
-
-
-def test_a_mirror_image_is_known_in_any_pose_by_which_way_edges_bend():
-    """A body in a walk against its rest pose, arms up to the sides; fine wrinkles and flat patterns tell nothing."""
-    baked = load_body("base", "small")
-    steps = walk(baked, GAITS["armspace-75"], np.linspace(0, 1, 5), np.ones(5))
-    frames = pose(baked, steps.rotations, steps.root)
-    body = MeshSequence("body", frames, baked.body.faces, rest=baked.body.rest, files=(Path("a.pc2"), Path("a.obj")))
-    for t in range(5):
-        check_frames(replace(body, frames=frames[t:]))
-        with pytest.raises(UserError, match="a.pc2: a.obj is the mirror image of frame 0; export both with the same"):
-            check_frames(replace(body, frames=frames[t:] * np.float32([1, -1, 1])))
-        with pytest.raises(UserError, match="mirror image"):
-            check_frames(replace(body, rest=baked.body.rest[:, [0, 2, 1]], frames=frames[t:]))
-    cloth = moving("garment")
-    noise = np.random.default_rng(0).normal(0, 0.002, cloth.frames.shape).astype(np.float32)
-    check_frames(replace(cloth, frames=cloth.frames + noise, rest=cloth.still))
-    check_frames(replace(cloth, rest=cloth.still * np.float32([1, 1, 0])), other_template=True)
-
-
-@pytest.mark.parametrize("write", [pc2, mdd, usd, alembic])
-def test_the_check_is_made_in_every_format_and_can_be_waived(tmp_path, capsys, write):
-    mesh = moving("garment")
-    other = mesh.still[np.random.default_rng(0).permutation(len(mesh.still))]
-
-    def spoilt(folder, name, *rest):
-        files = write(folder, name, *rest)
-        if name == "garment":
-            write_template(files[1], replace(mesh, rest=other))
-        return files
-
-    code, _, err = run(tmp_path, capsys, spoilt, (0.0, 1.0), (0.0, 1.0), *fps_of(write))
-    assert code == 1 and "another order of vertices" in err[0]
-    (tmp_path / "again").mkdir()
-    more = ("--other-template", *fps_of(write))
-    assert run(tmp_path / "again", capsys, spoilt, (0.0, 1.0), (0.0, 1.0), *more)[0] == 0
