@@ -36,7 +36,8 @@ class Import:
         up: The axis that points up: x, y, z, or the other way round, e.g. --up=-y.
         body_units: The body's unit, where it is another than the garment's.
         body_up: The body's axis that points up, where it is another than the garment's.
-        fps: Frames a second.
+        fps: Frames a second; of files that number their frames, of these numbers: a file with every other one has half
+            of it.
         frames: How many frames, from the first that garment and body both have.
         same_start: Garment and body begin at the same moment, whatever times or frame numbers their files state.
         other_template: The template is meant to differ from the frames, as a flat pattern does.

@@ -15,7 +15,7 @@ from garmentbench.importing.mesh_doctor.worn import unit_question
 from garmentbench.importing.meshes.conventions import Conventions, Given, find_conventions, unit_name
 from garmentbench.importing.meshes.frame_check import check_frames, check_rest
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence, refusal, without_spare
-from garmentbench.importing.meshes.pairing import paired
+from garmentbench.importing.meshes.pairing import moves_alike, paired
 from garmentbench.importing.meshes.placing import outward, placed_frames, placed_rest
 from garmentbench.importing.meshes.reading import HDF5, Place, read_both
 from garmentbench.importing.meshes.uv_map import seam_pairs, vertex_uv
@@ -90,7 +90,7 @@ def _renamed(sequence: Sequence, body: Place, wanted: Wanted) -> tuple[Sequence,
         raise UsageError(
             "import: a garmentbench sequence says all of itself; only --frames, --split and names go with it"
         )
-    count = _frame_count(len(sequence), None, wanted.frames, False)
+    count = _asked(wanted.frames, len(sequence))
     garment = replace(template.garment, name=wanted.garment or template.garment.name)
     worn = None if template.body is None else replace(template.body, name=wanted.body or template.body.name)
     info = sequence.info | {"scene": wanted.scene, "split": wanted.split}
@@ -117,8 +117,7 @@ def import_meshes(garment: MeshSequence, body: MeshSequence | None, wanted: Want
     pair = paired(garment, body, wanted.given.fps, wanted.same_start)
     garment, body = pair.garment, pair.body
     found = find_conventions(garment, body, replace(wanted.given, fps=pair.fps), wanted.kind == HUMAN)
-    timed = garment.times is not None or (body is not None and body.times is not None)
-    count = _frame_count(len(garment.frames), None if body is None else len(body.frames), wanted.frames, timed)
+    count = _frame_count(garment, body, wanted.frames)
     check_frames(garment, count)
     if body is not None:
         check_frames(body, count, skin)
@@ -206,15 +205,22 @@ def _handed(
     return cloth, body, notes
 
 
-def _frame_count(garment: int, body: int | None, asked: int | None, timed: bool) -> int:
-    """How many frames are taken, of so many of the garment and of the body (1: it stands still; None: there is
-    none)."""
-    if asked is not None and not 1 <= asked <= garment:
-        raise UsageError(f"--frames is {asked}; the garment has {garment}")
-    if body in (None, 1, garment) or (asked is not None and asked <= body and not timed):
-        return asked or garment
-    cut = "" if timed else f", or give --frames {min(garment, body)} where both begin at the same time"
-    raise UserError(f"the garment has {garment} frames, the body {body}; export the same frames of both{cut}")
+def _frame_count(garment: MeshSequence, body: MeshSequence | None, asked: int | None) -> int:
+    """How many frames are taken; a body of one frame stands still."""
+    ours, theirs = len(garment.frames), 1 if body is None else len(body.frames)
+    count = _asked(asked, ours)
+    timed = garment.times is not None or (body is not None and body.times is not None)
+    if body is None or theirs in (1, ours) or (asked is not None and asked <= theirs and not timed):
+        return count
+    together = not timed and moves_alike(garment.frames, body.frames)
+    cut = f", or give --frames {min(ours, theirs)} where both begin at the same time" if together else ""
+    raise UserError(f"the garment has {ours} frames, the body {theirs}; export the same frames of both{cut}")
+
+
+def _asked(asked: int | None, there: int) -> int:
+    if asked is not None and not 1 <= asked <= there:
+        raise UsageError(f"--frames is {asked}; the garment has {there}")
+    return asked or there
 
 
 def _reading_notes(mesh: MeshSequence) -> list[str]:

@@ -16,7 +16,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from garmentbench.importing.meshes.even_times import evenly_timed
+from garmentbench.importing.meshes.even_times import are_numbers, evenly_timed
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence, checked_faces, refusal, size_of
 from garmentbench.storage import hdf5
 from garmentbench.storage.atomic import written_whole
@@ -115,8 +115,11 @@ def _mesh(path: Path, arrays: dict[str, np.ndarray], there: list[str]) -> MeshSe
     times = arrays["times"].astype(np.float64) if "times" in arrays else None
     if times is not None and (len(times) != len(arrays["positions"]) or not np.isfinite(times).all()):
         raise refusal(path, f"times are {len(times)}, positions {len(arrays['positions'])} frames", _AGAIN)
+    fps, numbered = _number(path, arrays, "fps"), ()
+    if fps is not None and are_numbers(times):
+        times = times / fps
+        numbered = (f"its times are whole numbers, taken as numbers of frames, {fps:g} a second",)
     frames, times, rate, notes = evenly_timed(path, arrays["positions"], times)
-    fps = _number(path, arrays, "fps")
     if fps and rate and abs(fps / rate - 1) > _SAME_RATE:
         raise refusal(path, f"fps is {fps:g}, its times are {rate:g} a second", "write only the one that is right")
     rest = arrays["rest"].astype(np.float32) if "rest" in arrays else None
@@ -131,7 +134,7 @@ def _mesh(path: Path, arrays: dict[str, np.ndarray], there: list[str]) -> MeshSe
         _up(path, arrays),
         times,
         pins=pins,
-        notes=notes,
+        notes=numbered + notes,
         files=(path,),
     )
 

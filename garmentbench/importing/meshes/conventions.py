@@ -23,7 +23,7 @@ AXES = {  # new x, y, z as signed axes of the file's (1 is x); all are turns, no
 }
 HEIGHTS = 1.0, 2.4  # of a standing human body [m]
 SPANS = 0.4, 2.8  # diagonal of a garment's bounding box [m]
-_SLOWEST = 4.0  # frames a second: what is recorded at fewer is no motion of cloth
+SLOWEST = 4.0  # frames a second: what is recorded at fewer is no motion of cloth
 _STANDS = 0.05  # a body's lowest point is this near to 0, relative to its height
 
 
@@ -85,8 +85,10 @@ def find_conventions(garment: MeshSequence, body: MeshSequence | None, given: Gi
         other.unit,
         lambda: guess_unit(garment, person if given.body_units is None else None, up[1]),
     )
-    fps, about_fps = _decide("fps", (given.fps, given.fps), garment.fps, other.fps, _no_rate)
-    if given.fps is None and not min(fps) >= _SLOWEST:
+    still = len(other.frames) == 1  # a body that stands has no rate
+    rates = garment.fps, garment.fps if still and garment.fps is not None else other.fps
+    fps, about_fps = _decide("fps", (given.fps, given.fps), *rates, _no_rate)
+    if given.fps is None and not min(fps) >= SLOWEST:
         found = f"fps: the files say {min(fps):g} frames a second: are their times numbers of frames?"
         raise UserError(f"{found} Give --fps, e.g. --fps 30")
     if fps[0] != fps[1] and min(len(garment.frames), len(other.frames)) > 1:
@@ -129,6 +131,9 @@ def _decide(
     known: tuple[Any, Any] = garment if garment is not None else body, body if body is not None else garment
     if known[0] is not None:
         both = show(known[0]) if known[0] == known[1] else f"{show(known[0])}, of the body {show(known[1])}"
+        if garment is None or body is None:
+            one, other = ("body", "garment") if garment is None else ("garment", "body")
+            return known, f"{name}: {both} (as the {one}'s file says; the {other}'s says nothing)"
         return known, f"{name}: {both} (as the file says)"
     value, why = guess()
     return (value, value), f"{name}: {show(value)} (inferred: {why})"

@@ -1,6 +1,7 @@
 """Frames at uneven times, brought to an even rate by interpolation, where that is little and can be said."""
 
 from pathlib import Path
+from typing import TypeGuard
 
 import numpy as np
 
@@ -8,6 +9,7 @@ from garmentbench.importing.meshes.mesh_sequence import refusal
 
 _EVEN = 0.05  # of a step: times that are off by less are rounded
 _FARTHEST = 3.05  # steps between frames up to which what lies between is interpolated
+_WHOLE = 1e-3  # [s] from a whole number
 _RATES = (24.0, 25.0, 30.0, 48.0, 50.0, 60.0, 100.0, 120.0)  # that uneven times are brought to where they are near
 _NEAR_RATE = 0.03
 _DO = "export at a constant frame rate"
@@ -47,6 +49,13 @@ def evenly_timed(
     even = times[0] + np.arange(int((times[-1] - times[0]) * rate + 0.01) + 1) / rate
     note = f"times are uneven, {steps.min():.3g} to {steps.max():.3g} s apart: interpolated at {rate:g} frames a second"
     return _between(frames, times, even), even, rate, (note,)
+
+
+def are_numbers(times: np.ndarray | None) -> TypeGuard[np.ndarray]:
+    """Are times [s] whole numbers? No cloth is recorded at one frame a second or fewer: they are numbers of frames."""
+    if times is None or len(times) < 2 or not np.isfinite(times).all():
+        return False
+    return bool(np.diff(times).min() > 1 - _WHOLE and np.abs(times - times.round()).max() < _WHOLE)
 
 
 def _refuse_odd(path: Path, times: np.ndarray) -> None:

@@ -85,14 +85,11 @@ def read_pc2(path: Path, template: MeshSequence) -> MeshSequence:
     rate = next((float(r) for r in _RATES if abs(sampling - r) < 0.01), None)
     step = sampling if rate is None and 0 < sampling < 1e6 else 1.0
     if rate is not None:
-        notes = (
-            *notes,
-            f"its sampling of {sampling:g} is taken as frames a second; give --fps if it means one every so many",
-        )
+        notes = (*notes, f"its sampling of {sampling:g} is taken as frames a second")
     elif step != 1:
         notes = (
             *notes,
-            f"its sampling of {sampling:g}: one sample every {sampling:g} frames; --fps is of samples",
+            f"its sampling of {sampling:g} is taken as one sample every {sampling:g} frames",
         )
     times = (start if np.isfinite(start) else 0.0) + step * np.arange(samples)
     return with_template(path, frames, template, times, True, rate, notes)

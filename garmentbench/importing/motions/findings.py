@@ -18,6 +18,7 @@ _INSIDE = 0.02  # how deep a vertex must be to count: skin touches skin [m]
 _LOOKED_AT = 60  # frames
 _FASTEST = 15.0  # of a joint [m/s]: a thrown fist has 12
 _MOST_ARM_SPACE = 25.0  # [degrees] beyond which it is no longer the same motion
+_RATES = 12.0, 500.0  # frames a second of recordings: 15 of video at the least, 480 of the fastest cameras
 _UNEVEN = 0.05  # a difference between the feet that is worth a line [m]
 
 
@@ -67,6 +68,11 @@ def _skeleton(imported: ImportedClip, recording: Recording, upright: Upright, na
     length = f"{len(recording)} frames at {recording.fps:.4g} a second, {recording.seconds:.2f} s"
     yield f"recording: {length}, {len(recording.names)} joints"
     yield from recording.notes
+    if not _RATES[0] <= recording.fps <= _RATES[1]:
+        yield (
+            f"warning: {recording.fps:.4g} frames a second is no rate of motion capture: give the right one with "
+            "--recording-fps, e.g. --recording-fps 30"
+        )
     if upright.mirrored:
         yield "handedness: toes and knees point backwards, as in left-handed axes: mirrored"
     elif upright.mirrored is None:

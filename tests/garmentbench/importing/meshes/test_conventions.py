@@ -72,11 +72,10 @@ def test_a_garment_alone_tells_its_unit_but_not_its_up(size, unit):
 
 def test_given_before_stated_before_inferred():
     stated = box([0.4, 0.4, 1.8], fps=24.0, unit=0.01, up="x")
-    assert settle(stated, given=Given()).assumed == (
-        "units: cm (as the file says)",
-        "up: x (as the file says)",
-        "fps: 24 (as the file says)",
+    assert settle(stated, given=Given()).assumed == tuple(
+        f"{line} (as the body's file says; the garment's says nothing)" for line in ("units: cm", "up: x", "fps: 24")
     )
+    assert settle(stated, stated, Given()).assumed[0] == "units: cm (as the file says)"
     found = settle(stated, given=Given("in", "-y", 60.0))
     assert (found.unit, found.up, found.fps) == ((0.0254, 0.0254), ("-y", "-y"), 60.0)
     assert found.assumed == ("units: in (given)", "up: -y (given)", "fps: 60 (given)")
