@@ -67,16 +67,24 @@ class Clip:
         return replace(self, rotations=turn @ self.rotations, root=root)
 
 
-def part(path: Path, seconds: float, fps: float, start: float, stop: float | None) -> tuple[int, int]:
+def part(
+    path: Path, seconds: float, fps: float, start: float, stop: float | None, to_end: bool = False
+) -> tuple[int, int]:
     """First and last frame of the part from `start` to `stop` [s] (None: the end) of a motion that lasts `seconds`.
 
-    Raises `UserError` where it isn't inside.
+    `to_end`: a later stop is taken for the end. Raises `UserError` where the part isn't inside, or is no two frames
+    long.
     """
-    last_time = seconds if stop is None else stop
-    first, last = round(start * fps), round(last_time * fps)
-    if not (start >= 0 and first < last <= round(seconds * fps)):
+    end = seconds if stop is None or (to_end and stop > seconds) else stop
+    first, last, count = round(start * fps), round(end * fps), round(seconds * fps)
+    if start < 0 or first >= count or last > count or end <= start:
         raise UserError(
-            f"{path}: from {start:g} to {last_time:g} s asked for, it has 0 to {seconds:.2f} s; change start or stop"
+            f"{path}: from {start:g} to {end:g} s asked for, it has 0 to {seconds:.2f} s; change start or stop"
+        )
+    if last == first:
+        raise UserError(
+            f"{path}: from {start:g} to {end:g} s is less than one of {fps:.4g} frames a second; wanted two frames or "
+            "more; change start or stop"
         )
     return first, last
 

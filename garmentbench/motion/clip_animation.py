@@ -66,7 +66,13 @@ def animate_middle(scene: Scene, size: str, frames: int, clip_of: Callable[[Bake
 
 
 def load_clip(
-    path: Path, baked: BakedBody, fps: float, start: float = 0.0, stop: float | None = None, arm_space: float = 0.0
+    path: Path,
+    baked: BakedBody,
+    fps: float,
+    start: float = 0.0,
+    stop: float | None = None,
+    arm_space: float = 0.0,
+    to_end: bool = False,
 ) -> Clip:
     """The clip of a file on a body, its feet planted.
 
@@ -76,6 +82,7 @@ def load_clip(
         fps: Frames a second that are wanted.
         start, stop: The part of the clip [s]; None: to its end.
         arm_space: Hanging arms are turned outward by this [degrees].
+        to_end: A stop beyond its end is its end.
 
     Raises:
         UserError: No such file, not a clip's, damaged, or shorter than the part asked for.
@@ -86,7 +93,7 @@ def load_clip(
         raise UserError(f"{path}: {seconds:.4g} s long; wanted two frames or more at {fps:g} a second")
     if clip.fps != fps:
         clip = clip.at(np.arange(int(seconds * fps + 1e-6) + 1) * clip.fps / fps, fps)
-    first, last = part(path, (len(clip) - 1) / fps, fps, start, stop)
+    first, last = part(path, (len(clip) - 1) / fps, fps, start, stop, to_end)
     return plant(turn_out(clip.frames(first, last + 1), arm_space, baked), baked)
 
 

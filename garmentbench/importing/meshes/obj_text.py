@@ -14,6 +14,7 @@ import numpy as np
 
 from garmentbench.errors import UserError
 from garmentbench.importing.meshes.mesh_sequence import refusal, size_of
+from garmentbench.importing.text import as_utf8
 
 LARGEST = 1 << 30  # [bytes] of one frame
 _IS_SPACE = np.isin(np.arange(256), (9, 10, 13, 32))
@@ -184,7 +185,7 @@ class ObjText:
 
 def _clean(data: bytes) -> bytes:
     """A file's text with one form of line ends at its end, without byte order mark, continued lines and comments."""
-    data = data.removeprefix(b"\xef\xbb\xbf")
+    data = as_utf8(data)
     if b"\n" not in data:
         data = data.replace(b"\r", b"\n")
     if b"\\" in data:

@@ -18,6 +18,7 @@ from scipy.spatial.transform import Rotation
 
 from garmentbench.errors import UserError
 from garmentbench.importing.motions.recording import Recording
+from garmentbench.importing.text import decoded
 
 LARGEST = 80e6  # bytes of a file
 _TURNS = ("rx", "ry", "rz")
@@ -80,7 +81,7 @@ def _lines(path: Path) -> list[str]:
     try:
         if path.stat().st_size > LARGEST:
             raise UserError(f"{path}: larger than {LARGEST / 1e6:.0f} MB; cut the motion into shorter files")
-        text = path.read_bytes().decode("utf-8-sig", errors="replace")
+        text = decoded(path.read_bytes())
     except OSError as e:
         raise UserError(f"{path}: can't be read ({e.strerror or e}); wanted an AMC file with an ASF beside it") from e
     return [line for raw in re.split(r"\r\n|\r|\n", text) if (line := raw.split("#")[0].strip())]

@@ -39,6 +39,7 @@ _SKELETON = (
     ("left_wrist", "left_elbow", (25, 0, 0)),
     ("right_wrist", "right_elbow", (-25, 0, 0)),
 )
+_LARGEST_TURN = 2 * np.pi + 0.1  # [rad] of a joint against its parent
 _UPRIGHT = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # takes y, which is up in the T-pose, to z
 _RATES = ("mocap_framerate", "mocap_frame_rate", "fps")
 _POSES = {  # what is called what in which data; parts are put side by side
@@ -83,6 +84,7 @@ def amass_recording(arrays: dict[str, np.ndarray], path: Path, fps: float | None
         rotations=turns,
         root=trans,
         fps=fps,
+        own_rest=False,
     )
 
 
@@ -115,6 +117,12 @@ def amass_motion(
     trans = arrays[way].astype(np.float64)
     if poses.shape[1] < 3 * len(_SKELETON) or trans.shape != (len(poses), 3) or not len(poses):
         raise UserError(f"{path}: {parts[0]} {poses.shape}, {way} {trans.shape}; {_ADVICE}")
+    most = np.linalg.norm(poses[:, 3 : 3 * len(_SKELETON)].reshape(len(poses), -1, 3), axis=2).max()
+    if most > _LARGEST_TURN:
+        raise UserError(
+            f"{path}: {parts[0]} turns a joint by {most:.0f}, wanted axis-angle in radians (half a turn is 3.14): "
+            "degrees, or Euler angles? Convert them (of degrees, numpy.radians) and write the file again"
+        )
     scaling = arrays.get("smpl_scaling")
     if scaling is not None and scaling.size == 1 and scaling.dtype.kind in "fi" and scaling.item() > 0:
         trans = trans / scaling.item()

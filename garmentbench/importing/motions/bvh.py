@@ -6,7 +6,8 @@ of the joint's offset, as in Blender. Where almost the whole skeleton hangs from
 below an armature), that joint becomes the root; other joints have bones of constant length, so the median of theirs
 counts.
 
-Read are also, as other programs do: rows beyond `Frames:`, byte order marks, keywords in any case, comments (# or //).
+Read are also, as other programs do: rows beyond `Frames:`, and fewer (more than half) if each is a whole line, byte
+order marks, keywords in any case, comments (# or //).
 """
 
 import re
@@ -18,6 +19,7 @@ from scipy.spatial.transform import Rotation
 
 from garmentbench.errors import UserError
 from garmentbench.importing.motions.recording import Recording, world
+from garmentbench.importing.text import decoded
 
 LARGEST = 80e6  # bytes of a file: some eight minutes, which take 2 GB of memory
 _REMAKE = "export the motion as BVH again"
@@ -91,8 +93,7 @@ def _text(path: Path) -> str:
         if path.stat().st_size > LARGEST:
             raise UserError(f"{path}: larger than {LARGEST / 1e6:.0f} MB; cut the motion into shorter files")
         data = path.read_bytes()
-        encoding = "utf-16" if data.startswith((b"\xff\xfe", b"\xfe\xff")) else "utf-8-sig"
-        text = data.decode(encoding, errors="replace")
+        text = decoded(data)
         return _COMMENT.sub("", text) if "#" in text or "//" in text else text
     except OSError as e:
         raise UserError(f"{path}: can't be read ({e.strerror or e}); wanted a BVH file") from e
@@ -182,14 +183,18 @@ def _motion(path: Path, text: str, channels: int, fps: float | None) -> tuple[np
             "with --recording-fps"
         )
     values, rows = _numbers(path, text[head.end() :], channels)
-    surplus = len(values) - int(frames) * channels
-    if channels == 0 or surplus < 0 or (surplus and (rows is None or rows * channels != len(values))):
+    whole = (
+        rows is not None
+        and rows * channels == len(values)
+        and (rows > frames or (rows > 1 and 2 * rows > frames and text[-1] == "\n"))
+    )
+    if channels == 0 or (len(values) != frames * channels and not whole):
         raise UserError(
             f"{path}: {len(values)} numbers where {int(frames)} frames of {channels} channels want "
             f"{int(frames) * channels}: cut off, or the hierarchy is another's; {_REMAKE}"
         )
     values = values.reshape(-1, channels)
-    notes = [f"{len(values)} rows where 'Frames:' says {int(frames)}: all of them read"] if surplus else []
+    notes = _row_note(len(values), int(frames))
     if fps is not None:
         stated = f"{1 / period:.4g}" if period > 0 else head[2]
         return values, fps, [*notes, f"{fps:g} frames a second, as --recording-fps says; the file says {stated}"]
@@ -197,6 +202,13 @@ def _motion(path: Path, text: str, channels: int, fps: float | None) -> tuple[np
     if abs(rate * period - 1) > 1e-4:
         notes.append(f"frame time {head[2]} s: taken as 1/{rate:g} s, rounded")
     return values, rate, notes
+
+
+def _row_note(rows: int, said: int) -> list[str]:
+    """A line where there are more or fewer whole rows than a file says."""
+    if rows < said:
+        return [f"warning: {rows} rows where 'Frames:' says {said}: cut off behind them? All that are there are read"]
+    return [f"{rows} rows where 'Frames:' says {said}: all of them read"] if rows > said else []
 
 
 def _rate(word: str, period: float) -> float:

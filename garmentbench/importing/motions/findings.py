@@ -24,7 +24,10 @@ _UNEVEN = 0.05  # a difference between the feet that is worth a line [m]
 
 def findings(imported: ImportedClip, baked: BakedBody) -> Iterator[str]:
     """The lines: the skeleton, its names, its feet before and after planting, arms inside the torso."""
-    clip = imported.clip
+    clip, stop = imported.clip, imported.choices.stop
+    end = imported.choices.start + (len(clip) - 1) / clip.fps
+    if stop is not None and stop > end + 1.5 / clip.fps:
+        yield f"stop: {stop:g} s is beyond the recording's end: taken to its end, {end:.2f} s"
     if imported.recording is not None and imported.upright is not None and imported.names is not None:
         yield from _skeleton(imported, imported.recording, imported.upright, imported.names)
     share = 100 * clip.standing.mean(axis=0)
@@ -84,6 +87,13 @@ def _skeleton(imported: ImportedClip, recording: Recording, upright: Upright, na
         + (f", which makes the person {upright.height:.2f} m tall" if np.isfinite(upright.height) else "")
         + "; scaled by the legs"
     )
+    usual = (upright.rest_up,) if recording.own_rest and upright.rest_up else ("y", "z")
+    if upright.up not in usual:
+        why = "as its rest pose does" if len(usual) == 1 else "as most programs have it"
+        yield (
+            f"warning: the person stands along {upright.up}, not {' or '.join(usual)}, {why}: taken for other axes and "
+            "stood up; wrong for somebody who lies (look at --picture)"
+        )
     if upright.straightened > 1:
         bent = f"{upright.straightened:.0f} degrees"
         yield f"elbows: bent by {bent} in its T-pose; taken as straight, as on Daz's figures"
@@ -91,7 +101,10 @@ def _skeleton(imported: ImportedClip, recording: Recording, upright: Upright, na
     left, right = _uneven(upright.at_rate(imported.clip.fps))
     if abs(left - right) > _UNEVEN:
         where = "above" if left > right else "below"
-        yield f"uneven: the left foot stands {100 * abs(left - right):.0f} cm {where} the right one"
+        yield (
+            f"warning: uneven: the left foot stands {100 * abs(left - right):.0f} cm {where} the right one, in the "
+            "recording; both are set down on one floor, so that hips and knees bend to reach it"
+        )
     yield f"names: {names.convention}"
     yield from ("  " + line for line in names.lines())
 

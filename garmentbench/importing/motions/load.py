@@ -61,12 +61,12 @@ class ImportedClip:
 def import_clip(path: Path, baked: BakedBody, fps: float, choices: Choices = Choices()) -> ImportedClip:
     """The clip of a file (.bvh, .amc, AMASS's .npz, or a clip's .npz) on a body, at `fps` frames a second.
 
-    Raises `UserError` for a file that is none of these, cut off or malformed, and for times outside it; `UsageError`
-    for wrong names in the map.
+    A stop beyond its end is its end. Raises `UserError` for a file that is none of these, cut off or malformed, and for
+    a start outside it; `UsageError` for wrong names in the map.
     """
     found = _read(path, choices.recording_fps)
     if found is None:
-        clip = load_clip(path, baked, fps, choices.start, choices.stop, choices.arm_space)
+        clip = load_clip(path, baked, fps, choices.start, choices.stop, choices.arm_space, to_end=True)
         return ImportedClip(clip, choices)
     _check_length(path, found, fps)
     names = map_names(found.names, choices.names, str(path))

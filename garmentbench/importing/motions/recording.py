@@ -20,6 +20,7 @@ class Recording:
         rotations: Of each joint against its parent's frame, shape (T, J, 3, 3), float64.
         root: World position of the root joint [the recording's unit], shape (T, 3).
         fps: Frames a second.
+        own_rest: Are rotations of zero a pose of the file's own, in its axes?
         notes: What was found and done while reading, for the user.
     """
 
@@ -30,6 +31,7 @@ class Recording:
     root: np.ndarray
     fps: float
     notes: tuple[str, ...] = ()
+    own_rest: bool = True
 
     def __len__(self) -> int:
         return len(self.root)

@@ -38,6 +38,7 @@ class Upright:
         recording: z up, in metres, its legs as long as the body's.
         joints: Index of the recording's joint for each of ours that it has.
         up: Its own up axis, e.g. "y".
+        rest_up: The axis along which its rest pose stands; "" where that is no person who stands.
         unit: Its own unit, as its height suggests.
         height: The person's height in that unit [m].
         mirrored: Was it a mirror image (left-handed axes), which here is turned back? None: nothing told.
@@ -50,6 +51,7 @@ class Upright:
     recording: Recording
     joints: dict[str, int]
     up: str
+    rest_up: str
     unit: str
     height: float
     mirrored: bool | None
@@ -88,16 +90,23 @@ def bring_upright(
     dropped = _rest_rows(scaled, joints)
     rest = scaled.frames(0, 1) if dropped else scaled.rest_pose()
     motion = scaled.frames(dropped, len(scaled))
-    first, last = part(path, motion.seconds, motion.fps, start, stop)
+    first, last = part(path, motion.seconds, motion.fps, start, stop, to_end=True)
     motion = motion.frames(first, last + 1)
     _, positions = world(motion)
-    up = _up_axis(positions, joints, path)
+    up = _up_axis(positions, joints)
+    if not up:
+        raise UserError(
+            f"{path}: no axis is up: the chest is not above the feet; wanted somebody who stands most of the time"
+        )
+    rest_up = _up_axis(world(rest)[1], joints)
     _check_bones(positions, joints, path)
     mirrored = _is_mirrored(positions, joints, _AXES[up])
     turn = _turn_to_z(_AXES[up]) @ (_mirror(_AXES[up]) if mirrored else np.eye(3))
     motion, bend = _straight_elbows(motion.in_axes(turn), joints)
     rest = replace(rest.in_axes(turn), offsets=motion.offsets)
-    return Upright(motion, joints, up, unit, height * UNITS.get(unit, np.nan), mirrored, dropped, start, rest, bend)
+    return Upright(
+        motion, joints, up, rest_up, unit, height * UNITS.get(unit, np.nan), mirrored, dropped, start, rest, bend
+    )
 
 
 def _is_mirrored(positions: np.ndarray, joints: dict[str, int], up: np.ndarray) -> bool | None:
@@ -131,16 +140,12 @@ def _mirror(up: np.ndarray) -> np.ndarray:
     return np.diag([1.0, -1.0, 1.0] if up[0] else [-1.0, 1.0, 1.0])
 
 
-def _up_axis(positions: np.ndarray, joints: dict[str, int], where: Path) -> str:
-    """The axis along which the chest is from the feet, most of the time."""
+def _up_axis(positions: np.ndarray, joints: dict[str, int]) -> str:
+    """The axis along which the chest is from the feet, most of the time; "" where none is."""
     feet = positions[:, [joints["foot.L"], joints["foot.R"]]].mean(axis=1)
     body = np.median(positions[:, joints["chest"]] - feet, axis=0)
     up = max(_AXES, key=lambda a: _AXES[a] @ body)
-    if not _AXES[up] @ body > _UPRIGHT * np.linalg.norm(body):
-        raise UserError(
-            f"{where}: no axis is up: the chest is not above the feet; wanted somebody who stands most of the time"
-        )
-    return up
+    return up if _AXES[up] @ body > _UPRIGHT * np.linalg.norm(body) else ""
 
 
 def _check_bones(positions: np.ndarray, joints: dict[str, int], where: Path) -> None:

@@ -117,7 +117,7 @@ def _split(pose: np.ndarray, kind: str) -> dict[str, np.ndarray]:
             "left_hand_pose": 120,
             "right_hand_pose": 165,
         }
-        starts = [0, *edges.values()]
+        starts = [0, *list(edges.values())[:-1]]
         parts = {name: pose[:, start:stop] for start, (name, stop) in zip(starts, edges.items(), strict=True)}
         return parts | {"expression": np.zeros((len(pose), 10))}
     hands = pose[:, 66:72] if pose.shape[1] == 72 else np.zeros((len(pose), 6))  # SMPL's two hands; SMPL-H has fingers

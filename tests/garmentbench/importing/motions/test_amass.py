@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from garmentbench.errors import UserError
 from garmentbench.importing.motions.load import Choices, import_clip
-from garmentbench.importing.motions.smplx_body import write_own_body
+from garmentbench.importing.motions.smplx_body import _split, write_own_body
 from garmentbench.motion.legs import unit
 from garmentbench.scenes.bodies import joint_positions, load_body
 
@@ -74,6 +74,41 @@ def test_a_bend_that_never_ends_is_kept(tmp_path):
     clip = clip_of(tmp_path, arrays).unplanted
     pelvis, chest = (clip.rotations[0, BASE.joint_names.index(n)] for n in ("pelvis", "chest"))
     np.testing.assert_allclose(Rotation.from_matrix(pelvis.T @ chest).as_rotvec(), [0.6, 0, 0], atol=1e-6)
+
+
+@pytest.mark.parametrize("width", [165, 156, 72, 66])
+def test_smpl_x_smpl_h_and_smpl_are_read_by_their_body_joints(tmp_path, width):
+    """SMPL-X: jaw and eyes stand before the hands' joints, behind the body's; all of them are wild here."""
+    arrays = amass(8, width, surface_model_type=np.array("smplx"))
+    arrays["poses"][:, 66:] = np.random.default_rng(0).normal(size=(8, width - 66))
+    arrays["poses"][:, 3 * LEFT_ELBOW : 3 * LEFT_ELBOW + 3] = [0, -np.pi / 2, 0]
+    clip = clip_of(tmp_path, arrays).unplanted
+    np.testing.assert_allclose(bone(clip, "fore_arm.L", "hand.L"), [0, -1, 0], atol=0.12)
+    np.testing.assert_allclose(bone(clip, "upper_arm.R", "fore_arm.R"), [-1, 0, 0], atol=0.12)
+
+
+def test_smpl_x_poses_are_split_as_its_model_takes_them():
+    """AMASS-X: root, 21 joints, jaw, two eyes, 15 joints of each hand: 165 values (amass, README: SMPL-X)."""
+    pose = np.arange(165.0)[None]
+    parts = _split(pose, "smplx")
+    bounds = {"global_orient": (0, 3), "body_pose": (3, 66), "jaw_pose": (66, 69), "leye_pose": (69, 72),
+              "reye_pose": (72, 75), "left_hand_pose": (75, 120), "right_hand_pose": (120, 165)}  # fmt: skip
+    assert {name: (x[0, 0], x[0, -1] + 1) for name, x in parts.items() if name != "expression"} == bounds
+
+
+@pytest.mark.parametrize("scale", [180 / np.pi, 100.0])
+def test_degrees_are_no_radians(tmp_path, scale):
+    """A knee bent by 60 degrees; a root may turn often."""
+    arrays = amass()
+    arrays["poses"][:, :3] = [0, 0, 40.0]
+    arrays["poses"][:, 3 * RIGHT_KNEE] = np.pi / 3
+    with pytest.raises(UserError, match="no axis is up"):
+        clip_of(tmp_path, arrays)
+    arrays["poses"][:, 3:66] *= scale
+    with pytest.raises(
+        UserError, match=r"poses turns a joint by \d+, wanted axis-angle in radians .*degrees, or Euler"
+    ):
+        clip_of(tmp_path, arrays)
 
 
 def test_path_is_scaled_by_the_legs(tmp_path):

@@ -137,6 +137,7 @@ def test_where_nothing_tells_the_hand_is_said_to_be_assumed(tmp_path):
         lambda t: t.replace("MOTION", "MOTION  # of our own walk").replace("Frame Time:", "Frame time:"),
         lambda t: t.replace("\n", "\r\n"),
         lambda t: t.replace("\n}", "  // here\n}"),
+        lambda t: t.encode("utf-16-le"),
     ],
 )
 def test_what_others_read_is_read(tmp_path, change):
@@ -151,10 +152,65 @@ def test_more_rows_than_frames_are_read_and_said(tmp_path):
     text = walk(12).text()
     more = read_bvh(written(tmp_path, text.replace("Frames: 12", "Frames: 11")))
     assert len(more) == 12 and more.notes == ("12 rows where 'Frames:' says 11: all of them read",)
-    with pytest.raises(UserError, match="cut off, or the hierarchy is another's"):
-        read_bvh(written(tmp_path, text.replace("Frames: 12", "Frames: 13")))
     with pytest.raises(UserError, match="cut off, or the hierarchy is another's"):  # half rows are no rows
         read_bvh(written(tmp_path, text.replace("Frames: 12", "Frames: 11").rstrip().rsplit(" ", 1)[0]))
+
+
+def test_fewer_rows_are_read_with_a_warning_if_they_are_whole(tmp_path):
+    text = walk(12).text().replace("Frames: 12", "Frames: 13").rstrip("\n") + "\n"
+    fewer = read_bvh(written(tmp_path, text))
+    assert len(fewer) == 12 and fewer.notes[0].startswith("warning: 12 rows where 'Frames:' says 13: cut off behind")
+    np.testing.assert_array_equal(fewer.root, read_bvh(written(tmp_path, walk(12).text(), "all.bvh")).root)
+    for cut in (
+        text.rstrip(),
+        text.rstrip()[:-1],
+        text.rstrip().rsplit(" ", 1)[0] + "\n",
+    ):  # its last number may be cut
+        with pytest.raises(UserError, match="cut off, or the hierarchy is another's"):
+            read_bvh(written(tmp_path, cut))
+
+
+@pytest.mark.parametrize(("rate", "odd"), [(1, True), (5, True), (15, False), (480, False), (1000, True)])
+def test_a_rate_of_no_motion_capture_is_warned_of(tmp_path, rate, odd):
+    text = walk(90).text().replace("Frame Time: 0.0333333333", f"Frame Time: {1 / rate:.9f}")
+    lines = list(findings(import_clip(written(tmp_path, text), BASE, min(rate, 30), Choices()), BASE))
+    warned = [line for line in lines if line.startswith("warning:") and "--recording-fps" in line and "no rate" in line]
+    assert bool(warned) == odd
+
+
+def test_amass_and_amc_at_an_odd_rate_too(tmp_path):
+    turned, path = poses(40)
+    np.savez(tmp_path / "slow.npz", poses=turned, trans=path, mocap_framerate=1.0)
+    lines = list(findings(imported(tmp_path / "slow.npz"), BASE))
+    assert any("1 frames a second is no rate of motion capture" in line for line in lines)
+
+
+@pytest.mark.parametrize(("axis", "up"), [("z", "-x"), ("x", "z")])
+def test_somebody_who_lies_is_not_stood_up_in_silence(tmp_path, axis, up):
+    """The root rolled by 90 degrees: other axes, or somebody who lies; the file can't tell."""
+    moving = walk(40)
+    assert not any("stands along" in line for line in findings(imported(written(tmp_path, moving.text())), BASE))
+    quarter = Rotation.from_euler(axis, 90, degrees=True).as_matrix()
+    lying = replace(moving, rotations=quarter @ moving.rotations, root=moving.root @ quarter.T)
+    lines = list(findings(imported(written(tmp_path, lying.text())), BASE))
+    assert any(
+        line.startswith(f"warning: the person stands along {up}, not y, as its rest pose does") for line in lines
+    )
+
+
+def test_parts_that_are_none_and_a_stop_beyond_the_end(tmp_path, capsys):
+    path = written(tmp_path, walk(61).text())
+    for start, stop, wanted in ((1.0, 1.01, "is less than one of 30 frames"), (1.0, 0.5, "from 1 to 0.5 s asked for")):
+        with pytest.raises(UserError, match=wanted):
+            imported(path, start=start, stop=stop)
+    with pytest.raises(UserError, match="it has 0 to 2.00 s"):
+        imported(path, start=9.0)
+    assert main(["import-motion", str(path), "--stop", "99", "--out", str(tmp_path / "all.npz")]) == 0
+    assert "stop: 99 s is beyond the recording's end: taken to its end, 2.00 s" in capsys.readouterr().out
+    assert main(["import-motion", str(tmp_path / "all.npz"), "--start", "1", "--stop", "3"]) == 0
+    out = capsys.readouterr().out
+    assert "stop: 3 s is beyond" in out and "result: 31 frames" in out
+    assert main(["import-motion", str(path), "--stop", "2"]) == 0 and "stop:" not in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
