@@ -13,6 +13,7 @@ import trimesh
 from decimation import Surface, by_error, by_length
 from scipy.sparse import csr_array
 from sight import sky
+from soft_joints import spread
 
 from garmentbench.geometry.mesh import edge_lengths, unique_edges
 from garmentbench.scenes.anny_bodies import Phenotype, bone_weights, largest_component, load_anny, rest_shape, skeleton
@@ -121,6 +122,7 @@ def main() -> None:
     labels, uv = part_labels(weights, names), vertex_uv(model)[kept]
     shapes = {shape: rest_shape(model, phenotype, kept, heads) for shape, phenotype in SHAPES.items()}
     small_faces, blend = decimate(shapes["base"][0], faces, weights, names)
+    soft = spread(weights, shapes["base"][0], faces, names)
     nearest = np.asarray(blend.argmax(axis=1)).ravel()  # UV can't be blended over a seam, nor labels at all
     for shape, (vertices, joints) in shapes.items():
         for size in ("full", "small"):
@@ -132,7 +134,7 @@ def main() -> None:
                 rest=rest.astype(np.float32),
                 faces=mesh_faces.astype(np.uint16),
                 uv=(uv if full else uv[nearest]).astype(np.float16),
-                weights=(weights if full else blend @ weights).astype(np.float16),
+                weights=(soft if full else blend @ soft).astype(np.float16),
                 labels=labels if full else labels[nearest],
                 part_names=np.array(PART_NAMES),
                 joints=joints.astype(np.float32),

@@ -58,9 +58,9 @@ class Gait:
 WALK = Gait(arm_space=22.0)
 
 # The numbers of "armspace" are settings of the paper's source of motions (Mixamo), not degrees. Ours in degrees keep
-# the fore-arms off the torso (5 cm at 12 degrees). The skinned upper arm sinks into the armpit: of the skin round it
-# 8 % lies in or touches the body at 8 degrees, 5 at 12, 2 at 20, none at 28. That, not the gait, is what made a catwalk
-# with close arms chaotic and left cloth inside: there is no room for it. So the catwalk's arms are held a little away.
+# the fore-arms off the torso (5 cm at 12 degrees). A catwalk's arms are held a little away: between upper arm and
+# trunk there is little room for cloth at 14 degrees.
+
 GAITS = {
     "armspace-60": replace(WALK, arm_space=14.0),
     "armspace-75": WALK,

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from garmentbench.errors import UsageError
+from garmentbench.geometry.crossing import crossing_faces
 from garmentbench.motion import animate, motion_names
 from garmentbench.motion.gait import GAITS
 from garmentbench.motion.timing import WARM_UP, timing
@@ -40,6 +41,18 @@ def test_warm_up_is_smooth(name):
     acceleration = np.diff(positions, n=2, axis=0) * 30**2
     assert np.linalg.norm(acceleration, axis=-1).max() < 130  # a fast walk's toes have 95
     assert positions[:, :, 2].min() > -1e-3  # morphing feet may touch the ground
+
+
+@pytest.mark.parametrize(
+    ("name", "body", "frames"), [("armspace-60", "base", 66), ("jump", "base", 180), ("fast", "heavy", 48)]
+)
+def test_skin_does_not_fold_through_itself_in_armpits_and_elbows(name, body, frames):
+    animation = animate(scene(name, body, frames), LAPTOP)
+    moving, template = animation.positions[animation.warm_up :: 3].astype(np.float32), animation.body
+    at_rest = crossing_faces(template.rest[None], template.faces, np.zeros((0, 2), int))[0]  # between toes, in an ear
+    through = crossing_faces(moving, template.faces, np.zeros((0, 2), int)) & ~at_rest
+    arms = [template.part_names.index(part) for part in ("rear_arm", "fore_arm")]
+    assert not through[:, np.isin(template.labels[template.faces], arms).any(axis=1)].any()
 
 
 @pytest.mark.parametrize(("name", "body"), [("dance-latin", "slim"), ("strut", "base"), ("jump", "tall")])
