@@ -37,6 +37,7 @@ class Collider:
         self.faces, everything = self._mesh(np.concatenate(surfaces))
         wp.launch(attach, dim=particles, inputs=[everything.id, s, self.faces, cloth], device=device)
         self.meshes = [self._mesh(faces)[1] for faces in surfaces]
+        self.closed = [len(border_vertices(faces)) == 0 for faces in surfaces]
         self.near = self.nothing_near(particles)
 
     def _mesh(self, faces: np.ndarray) -> tuple[wp.array, wp.Mesh]:
@@ -78,6 +79,6 @@ class Collider:
 
     def find(self, points: wp.array, skip: wp.array, near: list[wp.array], contact: Contact) -> None:
         """Find where each point touches that is not skipped; `near` is kept for the next time."""
-        for mesh, face in zip(reversed(self.meshes), reversed(near), strict=True):
-            inputs = [mesh.id, self.surface, face, points, skip, contact]
+        for k in reversed(range(len(self.meshes))):
+            inputs = [self.meshes[k].id, self.closed[k], self.surface, near[k], points, skip, contact]
             wp.launch(find_contacts, len(points), inputs, device=self.device)

@@ -5,13 +5,15 @@ Warp kernels, the same on CPU and CUDA.
 
 import warp as wp
 
-from garmentbench.geometry.side import side
+from garmentbench.geometry.side import side, winding
 from garmentbench.geometry.triangle import distance_to_face
 from garmentbench.simulation.kernels import Cloth, Contact
 
 FAR = wp.constant(0.1)  # [m] beyond this a particle has nothing to do with the body
 # [m] The face that was the nearest bounds the search; others as near decide the sign with it.
 SLACK = wp.constant(1.0e-4)
+# [m] So deep nothing gets: it may be outside of a fold that skinning has turned inside out (an armpit, arm raised).
+DOUBTFUL = wp.constant(0.003)
 STILL = wp.constant(0.06)  # [m] from the skin: the air here moves with the body as a whole
 
 
@@ -101,12 +103,18 @@ def hold(s: Surface, faces: wp.array[int], c: Cloth, h: Contact, interval: float
 
 @wp.kernel(enable_backward=False)
 def find_contacts(
-    mesh: wp.uint64, s: Surface, near: wp.array[int], points: wp.array[wp.vec3], skip: wp.array[int], h: Contact
+    mesh: wp.uint64,
+    closed: bool,
+    s: Surface,
+    near: wp.array[int],
+    points: wp.array[wp.vec3],
+    skip: wp.array[int],
+    h: Contact,
 ):
     """Tangent plane, its motion and the air round each of N points that is not skipped: dim = N.
 
-    Of several surfaces, the one that it is deepest in or else nearest to. near: the nearest face
-    at the last query, or -1.
+    Of several surfaces, the one that it is deepest in or else nearest to. closed: has the surface no border? near: the
+    nearest face at the last query, or -1.
     """
     i = wp.tid()
     if skip[i] == 0:
@@ -125,6 +133,9 @@ def find_contacts(
             sign = side(mesh, s.border, q, x - p)
             away = sign * (x - p)
             distance = wp.length(away)
+            if closed and sign < 0.0 and distance > DOUBTFUL and winding(mesh, x) == 0:
+                sign = 1.0
+                away = x - p
             if sign * distance < h.distance[i]:
                 n = wp.mesh_eval_face_normal(mesh, q.face)
                 if distance > 1.0e-4:
