@@ -46,8 +46,8 @@ crosscheck: $(BIN)/.installed
 	$(BIN)/pip install -q -c constraints.txt -e '.[crosscheck]'
 	$(RUN) evals crosscheck --preset $(PRESET)
 
-# One ablation and the full model beside it, on the same experiment: make ablation-fixed-weights, -no-virtual-sample,
-# -no-collision, -linear-paths, -train-length.
+# One ablation and the full model beside it: make ablation-fixed-weights, -no-virtual-sample, -no-velocity, -no-force,
+# -pose-only, -no-collision, -linear-paths, -train-length.
 ablation-%: $(BIN)/.installed
 	$(RUN) evals ablation-$* --preset $(PRESET) --seeds $(SEEDS)
 

@@ -27,7 +27,7 @@ class Untrained:
 
     def __init__(self, config: Config) -> None:
         self.config = config
-        self.skin_of = SkinOf(config.seeds)
+        self.skin_of = SkinOf(config.seeds, upright_objects=True)
 
     @classmethod
     def fit(cls, train: tuple[Sequence, ...], config: Config, run: FitRun) -> Self:

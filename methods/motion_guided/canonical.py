@@ -13,8 +13,9 @@ from garmentbench.geometry.mesh import tangent_frames
 from garmentbench.geometry.seeds import SeedPoints, select_seeds
 from garmentbench.geometry.surface_seeds import SurfaceSeeds
 from garmentbench.geometry.uvmap import Chart, bilinear_table, chart
+from garmentbench.methods.motion_guided.config import Model
 from garmentbench.methods.motion_guided.uv_tables import UVTables, table_matrix
-from garmentbench.sequence import Garment, Template
+from garmentbench.sequence import OBJECT, Garment, Template
 from garmentbench.storage.atomic import written_whole
 
 
@@ -25,12 +26,13 @@ class Canonical:
     Attributes:
         rest: g_0 [m], shape (V, 3).
         faces: Garment triangles, shape (F, 3).
-        uv: UV coordinates, shape (V, 2).
+        uv: Where each vertex lies in the maps, in [0, 1], shape (V, 2).
         seams: Pairs of vertices that are one point of cloth, shape (S, 2).
         seeds: The seed points. Their labels count only where the scene needs a radius per part, else they are None.
         body_size: Vertices of the body.
         tables: A released model's own; None where they follow from the template.
         cut: The flat pattern [m], shape (V, 2); None where there is none.
+        upright: The body is an object that eq. 1 takes for its upright root.
     """
 
     rest: np.ndarray
@@ -41,19 +43,22 @@ class Canonical:
     body_size: int
     tables: UVTables | None = None
     cut: np.ndarray | None = None
+    upright: bool = False
 
     @classmethod
-    def of(cls, template: Template, seed_count: int) -> "Canonical":
+    def of(cls, template: Template, options: Model) -> "Canonical":
         """From a training template. Raises `UserError` where there is no body to be relative to."""
         if template.body is None:
             raise UserError(
                 "motion_guided describes a garment relative to a body, and this scene has none; "
                 "train it on a scene with a body or an object"
             )
-        g, seeds = template.garment, select_seeds(template, seed_count)
+        g, seeds = template.garment, select_seeds(template, options.seeds)
         if not template.needs.part_radii:
             seeds = SeedPoints(**{**vars(seeds), "labels": None})
-        return cls(g.rest, g.faces, g.uv, g.seams, seeds, len(template.body.rest), cut=g.cut)
+        uv, upright = bordered(g.uv, options.map_border / options.map_size), options.upright_objects
+        upright = upright and template.body.kind == OBJECT
+        return cls(g.rest, g.faces, uv, g.seams, seeds, len(template.body.rest), cut=g.cut, upright=upright)
 
     @property
     def edges(self) -> tuple[np.ndarray, np.ndarray]:
@@ -107,4 +112,11 @@ class Canonical:
                 body_size=int(z["body_size"]),
                 tables=UVTables.from_arrays(dict(z)),
                 cut=z.get("cut"),
+                upright=bool(z["upright"]),
             )
+
+
+def bordered(uv: np.ndarray, border: float) -> np.ndarray:
+    """UV coordinates, shape (V, 2), drawn in towards the middle where they come nearer to the edge than `border`."""
+    reach = np.abs(uv - 0.5).max()
+    return (0.5 + min(1.0, (0.5 - border) / reach) * (uv - 0.5)).astype(np.float32)

@@ -30,7 +30,7 @@ def random_garments(
     frames = torch.randint(len(recorded.seeds), (count,), generator=random)
     pose = poses.turned(recorded.at(frames), *poses.draw(count, random))
     displaced = model.space_mean + (codes @ model.space_basis).unflatten(-1, (-1, 3))
-    return codes, model.pose(displaced, pose.seeds, pose.rotations), pose
+    return codes, model.pose(displaced, pose), pose
 
 
 @torch.no_grad()

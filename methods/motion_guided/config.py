@@ -35,9 +35,17 @@ class Model:
     that carries the canonical normal to the present one (the code), which loses twist."""
     axes: str = "world"
     """Axes of the inputs: the "world"'s (paper and code); ours: those turned by the body's "heading" about the
-    vertical, so that where it heads changes nothing. An object has no heading."""
-    output_scale: float = 1.0
-    """Displacement [m] that an output of 1 of R means. Ours: 0.03, so that outputs are of order 1."""
+    vertical, so that where it heads changes nothing."""
+    upright_objects: bool = True
+    """Eq. 1 takes an object for its upright root, as all methods here do: R_t is its heading, T_t that of its middle.
+    A stick that rolls would carry round the cloth that hangs from it, and d have to undo that (42 cm on average). The
+    paper's stick is not said to roll. Descriptor and force keep to the points on its surface."""
+    map_border: float = 1.5
+    """Pixels of background that the encoders' maps have on every side at least, so that the convolutions see where the
+    chart ends, the seeds with it. Paper and code do not say how their charts lie in the map."""
+    output_scale: float | None = 1.0
+    """Displacement [m] that an output of 1 of R means. None (ours): the root mean square of the training garments'
+    displacements, so that outputs are of order 1."""
     centred_descriptor: bool = False
     """Ours: take the training mean off the descriptor map before its first convolution."""
     linear_paths: bool = False
@@ -115,6 +123,17 @@ class Stage2:
     """Of L_Z. Ours: 0.003 beside linear paths, where most components of a code are faint."""
     latent_weight: float = 1e-3
     """lambda_2."""
+    units: str = "metres"
+    """Of velocity, acceleration and interaction force: "metres" a frame (paper and code); ours: the "spread" of each
+    over the training frames. In metres velocities are a fiftieth of the features beside them, and what a small model
+    was trained to does not change when they are set to zero."""
+    velocity: bool = True
+    """E^Dyn is given velocity and acceleration (False: an ablation)."""
+    force: bool = True
+    """... and the interaction force (False: an ablation)."""
+    garment: bool = True
+    """... and the garment of the frame before. False, an ablation: the pose alone, as the descriptor of the rest
+    garment skinned to it, with neither velocity nor force; it has no virtual sample then."""
     force_distance: str = "present"
     """The interaction force fades with the distance to the seed's "present" (paper) or "previous" (code) place."""
     posing: Posing = Posing()
@@ -166,12 +185,12 @@ def _small(model: Model, sdf: Sdf, stage1_steps: int, stage2_steps: int) -> Conf
     """A size at which training takes minutes, with what the trials showed to help there."""
     quick = Training(schedule="one_cycle", batch=2)
     return Config(
-        model=replace(model, axes="heading", output_scale=0.03, centred_descriptor=True),
+        model=replace(model, axes="heading", output_scale=None, centred_descriptor=True),
         sdf=sdf,
         stage1=Stage1(
             replace(quick, steps=stage1_steps, learning_rate=4e-3), edge_weight=0.1, sdf_weight=1.0, random_every=4
         ),
-        stage2=Stage2(replace(quick, steps=stage2_steps, learning_rate=1.5e-3), cache_inputs=True),
+        stage2=Stage2(replace(quick, steps=stage2_steps, learning_rate=1.5e-3), units="spread", cache_inputs=True),
         collision=Collision(map_size=32, carry=False),
     )
 
@@ -206,10 +225,10 @@ def config_for(preset_name: str) -> Config:
 
 
 def for_scene(config: Config, needs: Needs) -> Config:
-    """The configuration without what a scene does not need: a heading and a pose path are a human body's."""
-    if needs.body:
-        return config
-    return replace(config, model=replace(config.model, axes="world"), stage2=replace(config.stage2, pose_path=False))
+    """The configuration without what a scene does not need: a pose path is a human body's."""
+    s = config.stage2
+    force, path = s.force and needs.interaction_force, s.pose_path and needs.body
+    return replace(config, stage2=replace(s, force=force, pose_path=path))
 
 
 def config_from(table: dict) -> Config:
@@ -233,7 +252,7 @@ def _with_linear_paths(full: Config) -> Config:
     gentle2 = replace(stage2.training, learning_rate=stage2.training.learning_rate / 3)
     return replace(
         full,
-        model=replace(full.model, linear_paths=True),
+        model=replace(full.model, linear_paths=True, output_scale=0.03),
         stage1=replace(stage1, training=gentle1, posing=Posing(limb_angle=0.2, whole_angle=0.08, code_spread=3.0)),
         stage2=replace(
             stage2,
@@ -250,6 +269,11 @@ VARIANTS: dict[str, Callable[[Config], Config]] = {
     "full": lambda full: full,
     "fixed_weights": lambda full: replace(full, model=replace(full.model, dynamic_weights=False)),
     "no_virtual_sample": lambda full: replace(full, stage2=replace(full.stage2, virtual_sample=False)),
+    "no_velocity": lambda full: replace(full, stage2=replace(full.stage2, velocity=False)),
+    "no_force": lambda full: replace(full, stage2=replace(full.stage2, force=False)),
+    "pose_only": lambda full: replace(
+        full, stage2=replace(full.stage2, garment=False, velocity=False, force=False, virtual_sample=False)
+    ),
     "no_collision": lambda full: replace(full, collision=replace(full.collision, enabled=False)),
     "linear_paths": _with_linear_paths,
 }

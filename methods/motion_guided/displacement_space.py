@@ -41,6 +41,18 @@ def set_displacement_space(model: GenerativeModel, canonical: Canonical, garment
     model.space_basis.copy_(scaled * codes.square().mean().sqrt())
 
 
+@torch.no_grad()
+def displacement_scale(model: GenerativeModel, garments: Tensor, pose: Pose) -> Tensor:
+    """Root mean square of the components of training garments' displacements [m], shape ().
+
+    Args:
+        model: Untrained.
+        garments: Training garments [m], shape (T, V, 3).
+        pose: Their seeds.
+    """
+    return (undo_pose(model, garments, pose) - model.rest).square().mean().sqrt()
+
+
 def undo_pose(model: GenerativeModel, garments: Tensor, pose: Pose, iterations: int = 4) -> Tensor:
     """Canonical displaced vertices g^ [m], shape (T, V, 3), that eq. 1 poses as `garments`, shape (T, V, 3).
 
@@ -48,7 +60,7 @@ def undo_pose(model: GenerativeModel, garments: Tensor, pose: Pose, iterations: 
     """
     result = []
     for t in range(len(garments)):
-        transforms, displaced = model.transforms(pose.seeds[t : t + 1], pose.rotations[t : t + 1]), model.rest
+        transforms, displaced = model.transforms(pose.at(slice(t, t + 1))), model.rest
         for _ in range(iterations):
             blended = (model.weights(displaced[None]) @ transforms)[0].unflatten(-1, (3, 4))
             offset = garments[t] - blended[..., 3]

@@ -23,15 +23,23 @@ class Pose:
         seeds: b_t [m], shape (T, N, 3).
         rotations: R_t from the canonical pose, shape (T, N, 3, 3).
         normals: n_t, shape (T, N, 3).
+        anchors: Where eq. 1 takes the seeds to be [m], shape (T, N, 3): b_t; of an upright object where its root alone
+            has carried them, while descriptor, force and normals keep to the material points b_t.
     """
 
     seeds: Tensor
     rotations: Tensor
     normals: Tensor
+    anchors: Tensor
 
-    def at(self, chosen: Tensor) -> "Pose":
+    def at(self, chosen: Tensor | slice) -> "Pose":
         """Some of the frames, by index."""
-        return Pose(self.seeds[chosen], self.rotations[chosen], self.normals[chosen])
+        return Pose(*(x[chosen] for x in vars(self).values()))
+
+    @classmethod
+    def joined(cls, parts: list["Pose"]) -> "Pose":
+        """The frames of several, one after another."""
+        return cls(*(torch.cat(column) for column in zip(*(vars(part).values() for part in parts), strict=True)))
 
 
 @dataclass(frozen=True)
@@ -55,9 +63,8 @@ class BodyFrames:
     @classmethod
     def joined(cls, parts: list["BodyFrames"]) -> "BodyFrames":
         """The frames of several sequences, one after another."""
-        poses = zip(*(vars(part.pose).values() for part in parts), strict=True)
         origin, axes = (np.concatenate([getattr(part, name) for part in parts]) for name in ("origin", "axes"))
-        return cls(origin, axes, Pose(*(torch.cat(column) for column in poses)))
+        return cls(origin, axes, Pose.joined([part.pose for part in parts]))
 
     def local(self, points: np.ndarray) -> Tensor:
         """World points [m], shape (T, V, 3), in the frames' coordinates."""
@@ -97,17 +104,35 @@ def link(before: BodyFrames, now: BodyFrames) -> Link:
 
 
 def body_frames(
-    body: np.ndarray, seeds: SeedPoints | SurfaceSeeds, rotation: str, axes: str, device: torch.device
+    body: np.ndarray,
+    seeds: SeedPoints | SurfaceSeeds,
+    rotation: str,
+    axes: str,
+    device: torch.device,
+    upright: bool = False,
 ) -> BodyFrames:
-    """From body vertices [m], shape (T, B, 3); `rotation` and `axes` are the options of `Model`."""
+    """From body vertices [m], shape (T, B, 3).
+
+    Args:
+        body: The vertices.
+        seeds: The seed points.
+        rotation, axes: The options of `Model`.
+        device: Of the tensors.
+        upright: Eq. 1 takes the body for its upright root (option `Model.upright_objects`).
+    """
     turned = surface_frames(body, seeds) if isinstance(seeds, SurfaceSeeds) else seed_frames(body, seeds)
     positions, rotations, normals = turned
     if rotation == "normal":
         rotations = smallest_rotations(seeds.frames[..., 2], normals)
     origin = positions.mean(axis=-2, keepdims=True, dtype=np.float64)
     relative = positions - origin
-    turn = heading(relative, seeds.rest) if axes == "heading" else np.tile(np.eye(3), (len(body), 1, 1))
-    local = (relative @ turn, np.swapaxes(turn, -1, -2)[:, None] @ rotations, normals @ turn)
+    root = heading(relative, seeds.rest)
+    turn = root if axes == "heading" else np.tile(np.eye(3), (len(body), 1, 1))
+    anchors = relative
+    if upright:
+        rotations = np.repeat(root[:, None], len(seeds.rest), axis=1)
+        anchors = (seeds.rest - seeds.rest.mean(axis=0)) @ np.swapaxes(root, -1, -2)
+    local = (relative @ turn, np.swapaxes(turn, -1, -2)[:, None] @ rotations, normals @ turn, anchors @ turn)
     return BodyFrames(origin, turn, Pose(*(to_tensor(x, device) for x in local)))
 
 

@@ -8,6 +8,7 @@ from garmentbench.geometry.mesh import laplacian
 from garmentbench.methods.motion_guided.canonical import Canonical
 from garmentbench.methods.motion_guided.config import Model
 from garmentbench.methods.motion_guided.descriptor import MapToVertex, VertexToMap, uv_encoding
+from garmentbench.methods.motion_guided.frames import Pose
 from garmentbench.methods.motion_guided.networks import Decoder, DisplacementMLP, Encoder, GeometryFeatures, make_faint
 from garmentbench.methods.motion_guided.skinning import (
     blend_weights,
@@ -19,6 +20,7 @@ from garmentbench.methods.motion_guided.skinning import (
 from garmentbench.methods.motion_guided.sparse import SparseMatrix
 
 FIRST_RADIUS = 0.05  # [m]
+FIRST_UNIT = 0.03  # [m] of the output, until it is fitted
 PATH_UNIT = 0.1  # [m]
 
 
@@ -35,6 +37,7 @@ class GenerativeModel(nn.Module):
     uv: Tensor
     edges: Tensor
     part: Tensor
+    unit: Tensor
     mean_garment: Tensor
     mean_seeds: Tensor
     space_mean: Tensor
@@ -76,6 +79,8 @@ class GenerativeModel(nn.Module):
         # What is taken off the descriptor; part of the weights, since it comes from the training frames.
         self.register_buffer("mean_garment", torch.zeros(len(canonical.rest), 3))
         self.register_buffer("mean_seeds", torch.zeros(len(part), 3))
+        scale = self.options.output_scale
+        self.register_buffer("unit", torch.tensor(FIRST_UNIT if scale is None else scale))
 
     def _linear_paths(self, vertices: int, seeds: int) -> None:
         """Places for what is solved in closed form; the networks begin faint beside it."""
@@ -115,7 +120,7 @@ class GenerativeModel(nn.Module):
     def displaced(self, code: Tensor) -> Tensor:
         """Canonical displaced vertices g^ [m], shape (batch, V, 3), of latent codes (batch, latent)."""
         features = self.to_vertex(self.decoder(code))
-        displacement = self.options.output_scale * self.displacement_block(features, self.uv)
+        displacement = self.unit * self.displacement_block(features, self.uv)
         start = self.rest
         if self.options.linear_paths:
             start = self.space_mean + (code @ self.space_basis).unflatten(-1, (-1, 3))
@@ -126,14 +131,14 @@ class GenerativeModel(nn.Module):
         where = displaced if self.options.dynamic_weights else self.rest[None]
         return blend_weights(where, self.canonical_seeds, self.radii)
 
-    def transforms(self, seeds: Tensor, rotations: Tensor) -> Tensor:
+    def transforms(self, pose: Pose) -> Tensor:
         """Rigid motions of the seeds, shape (batch, N, 12)."""
-        return seed_transforms(rotations, self.canonical_seeds, seeds)
+        return seed_transforms(pose.rotations, self.canonical_seeds, pose.anchors)
 
-    def pose(self, displaced: Tensor, seeds: Tensor, rotations: Tensor) -> Tensor:
+    def pose(self, displaced: Tensor, pose: Pose) -> Tensor:
         """Posed garment [m], shape (batch, V, 3), in the frame's coordinates (eq. 1)."""
-        return skin(displaced, self.weights(displaced), self.transforms(seeds, rotations))
+        return skin(displaced, self.weights(displaced), self.transforms(pose))
 
-    def directions(self, displaced: Tensor, seeds: Tensor, rotations: Tensor) -> Tensor:
+    def directions(self, displaced: Tensor, pose: Pose) -> Tensor:
         """B, how a posed vertex moves with its displacement where its weights stay, shape (batch, V, 3, 3)."""
-        return blended_rotations(self.weights(displaced), self.transforms(seeds, rotations)) @ self.frames
+        return blended_rotations(self.weights(displaced), self.transforms(pose)) @ self.frames

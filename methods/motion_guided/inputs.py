@@ -6,6 +6,7 @@ from typing import Any
 import torch
 from torch import Tensor
 
+from garmentbench.methods.motion_guided.config import Stage2
 from garmentbench.methods.motion_guided.descriptor import force_strength
 from garmentbench.methods.motion_guided.frames import Link, Pose
 from garmentbench.methods.motion_guided.generative import GenerativeModel
@@ -20,7 +21,7 @@ class Inputs:
     Attributes:
         features: S(M^P_{t-1}), shape (batch, width, S, S).
         motion: Map of velocity and acceleration at t - 1 [m a frame], shape (batch, 6, S, S).
-        strength: Map of the interaction force, shape (batch, N, S, S); None where there is nothing to touch.
+        strength: Map of the interaction force, shape (batch, N, S, S); None without the option `Stage2.force`.
         normals: Seed normals at t, shape (batch, N, 3); None likewise.
         place: Where the seeds are at t, and how they have moved since t - 1, in `PLACE_UNIT` and `STEP_UNIT`, shape
             (batch, 6 N). Used with the option `Stage2.pose_path` only.
@@ -77,9 +78,7 @@ def past_of(third: Tensor, second: Tensor, last: Tensor, on: Link) -> Past:
 
 
 @torch.no_grad()
-def dynamic_inputs(
-    model: GenerativeModel, past: Past, before: Pose, now: Pose, on: Link, force_distance: str, touches: bool
-) -> Inputs:
+def dynamic_inputs(model: GenerativeModel, past: Past, before: Pose, now: Pose, on: Link, options: Stage2) -> Inputs:
     """Inputs at frames t.
 
     Args:
@@ -88,15 +87,18 @@ def dynamic_inputs(
         before: The body at t - 1.
         now: The body at t.
         on: From the coordinates of frame t - 1 to those of frame t.
-        force_distance: The option of `Stage2`.
-        touches: There is something to touch.
+        options: What the encoder is given.
     """
-    features, motion = model.features(past.garment, before.seeds), model.to_map(past.motion)
+    if not options.garment:
+        features = model.features(model.pose(model.rest.expand(len(now.seeds), -1, -1), now), now.seeds)
+    else:
+        features = model.features(past.garment, before.seeds)
+    motion = model.to_map(past.motion if options.velocity else torch.zeros_like(past.motion))
     previous = on(before.seeds)
     place, still = flat_place(model, now.seeds, previous), flat_place(model, before.seeds, before.seeds)
-    if not touches:
+    if not options.force:
         return Inputs(features, motion, None, None, place, still)
-    distance_to = previous if force_distance == "previous" else None
+    distance_to = previous if options.force_distance == "previous" else None
     strength = force_strength(past.carried, now.seeds, now.normals, distance_to)
     return Inputs(features, motion, model.to_map(strength), now.normals, place, still)
 

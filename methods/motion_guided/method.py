@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import torch
+from torch import Tensor
 
 from garmentbench.method import BodyFrame, FitRun, History, span
 from garmentbench.methods.motion_guided.canonical import Canonical
@@ -15,6 +16,7 @@ from garmentbench.methods.motion_guided.dynamics import DynamicEncoder
 from garmentbench.methods.motion_guided.frames import BodyFrames, body_frames, link
 from garmentbench.methods.motion_guided.generative import GenerativeModel
 from garmentbench.methods.motion_guided.inputs import Inputs, dynamic_inputs, past_of
+from garmentbench.methods.motion_guided.seams import Seams
 from garmentbench.methods.motion_guided.stages import train_stages
 from garmentbench.methods.training import load, save
 from garmentbench.sequence import Sequence, Template
@@ -29,6 +31,7 @@ class State:
 
     Attributes:
         garments: The last three frames' garments, the model's own after the first steps [m], world, shape (3, V, 3).
+            Seams as they were decoded, as in the authors' roll-outs; closed in what is given out.
         body: The body at the last frame.
         before_collision: The last garment before its collision stage [m], shape (V, 3); None before the first step and
             where there is no such stage.
@@ -50,11 +53,12 @@ class MotionGuided:
     Config = Config
 
     def __init__(
-        self, canonical: Canonical, config: Config, generative: GenerativeModel, dynamics: DynamicEncoder, touches: bool
+        self, canonical: Canonical, config: Config, generative: GenerativeModel, dynamics: DynamicEncoder
     ) -> None:
-        self.canonical, self.config, self.touches = canonical, config, touches
+        self.canonical, self.config = canonical, config
         self.generative, self.dynamics = generative, dynamics
         self.device = generative.rest.device
+        self.seams = Seams(len(canonical.rest), canonical.seams).to(self.device)
 
     @classmethod
     def fit(cls, train: tuple[Sequence, ...], config: Config, run: FitRun) -> "MotionGuided":
@@ -64,9 +68,9 @@ class MotionGuided:
         """
         torch.set_flush_denormal(True)  # denormal numbers slow C's convolutions sixfold
         template = train[0].template
-        canonical, config = Canonical.of(template, config.model.seeds), for_scene(config, template.needs)
+        canonical, config = Canonical.of(template, config.model), for_scene(config, template.needs)
         generative, dynamics = train_stages(train, canonical, config, run, _device())
-        return cls(canonical, config, generative, dynamics, template.needs.interaction_force)
+        return cls(canonical, config, generative, dynamics)
 
     def save(self, folder: Path) -> None:
         """Write config.json, canonical.npz and weights.pt."""
@@ -80,12 +84,11 @@ class MotionGuided:
         """Read what `save` wrote, as data only."""
         config = config_from(json.loads((folder / "config.json").read_text()))
         canonical, weights = Canonical.load(folder / "canonical.npz"), load(folder / "weights.pt", _device())
-        touches = any(name.startswith("motion_block.force") for name in weights["dynamics"])
         generative = GenerativeModel(canonical, config.model)
-        dynamics = DynamicEncoder(config.model, len(canonical.seeds.rest), touches, config.stage2.pose_path)
+        dynamics = DynamicEncoder(config.model, len(canonical.seeds.rest), config.stage2)
         for module, state in ((generative, weights["generative"]), (dynamics, weights["dynamics"])):
             module.to(_device()).requires_grad_(False).load_state_dict(state)
-        return cls(canonical, config, generative, dynamics, touches)
+        return cls(canonical, config, generative, dynamics)
 
     def begin(self, template: Template, history: History) -> State:
         """From true position, velocity and acceleration (three frames).
@@ -110,27 +113,33 @@ class MotionGuided:
         with span("predict"):
             code = self.dynamics(inputs)
             displaced = self.generative.displaced(code)
-            posed = self.generative.pose(displaced, now.pose.seeds, now.pose.rotations)
-            garment = now.world(posed)[0]
-        before, residual = (None if state.collision is None else garment), state.residual
+            posed = self.generative.pose(displaced, now.pose)[0]
+            garment, closed = self._world(now, posed)
+        before, residual = (None if state.collision is None else closed), state.residual
         if state.collision is not None and residual is not None and np.isfinite(garment).all():
             with span("collide"):
-                directions = self.generative.directions(displaced, now.pose.seeds, now.pose.rotations)
+                directions = self.generative.directions(displaced, now.pose)
                 obstacle = now.local(_there(body.vertices)[None])[0].cpu().numpy()
-                posed, residual = state.collision.resolve(posed[0], directions[0], obstacle, residual)
-                garment = now.world(posed[None])[0]
+                posed, residual = state.collision.resolve(posed, directions[0], obstacle, residual)
+                garment, closed = self._world(now, posed)
         garments = np.concatenate([state.garments[1:], garment[None]])
-        return garment, State(garments, now, before, state.collision, residual)
+        return closed, State(garments, now, before, state.collision, residual)
+
+    def _world(self, now: BodyFrames, posed: Tensor) -> tuple[np.ndarray, np.ndarray]:
+        """A garment, shape (V, 3), in the world, as it goes on from and with its seams closed as it is given out."""
+        garment, closed = now.world(torch.stack([posed, self.seams(posed)]))
+        return garment, closed
 
     def _inputs(self, state: State, now: BodyFrames) -> Inputs:
-        on, distance = link(state.body, now), self.config.stage2.force_distance
+        on = link(state.body, now)
         third, second, last = (state.body.local(garment[None]) for garment in state.garments)
         past = past_of(third, second, last, on)
-        return dynamic_inputs(self.generative, past, state.body.pose, now.pose, on, distance, self.touches)
+        return dynamic_inputs(self.generative, past, state.body.pose, now.pose, on, self.config.stage2)
 
     def _body(self, vertices: np.ndarray) -> BodyFrames:
-        options = self.config.model
-        return body_frames(vertices[None], self.canonical.seeds, options.seed_rotation, options.axes, self.device)
+        options, canonical = self.config.model, self.canonical
+        turned = (options.seed_rotation, options.axes, self.device, canonical.upright)
+        return body_frames(vertices[None], canonical.seeds, *turned)
 
 
 def _there(body: np.ndarray | None) -> np.ndarray:

@@ -31,14 +31,15 @@ class RandomPoses:
 
     def turned(self, pose: Pose, whole: Tensor, limbs: Tensor) -> Pose:
         """Poses, shape (count, ...), turned about the frames' origin and at the joints."""
-        seeds, rotations, normals = pose.seeds, pose.rotations, pose.normals
+        seeds, rotations, normals, anchors = pose.seeds, pose.rotations, pose.normals, pose.anchors
         for k, carrier in enumerate(self.carriers.tolist()):
             arm = self.joints[k] - self.canonical[carrier]
             joint = (rotations[:, carrier] @ arm + seeds[:, carrier])[:, None]
             turn = rotation(self.shares[k][:, None] * limbs[:, k, None])
-            seeds, rotations, normals = joint + _apply(turn, seeds - joint), turn @ rotations, _apply(turn, normals)
+            seeds, anchors = joint + _apply(turn, seeds - joint), joint + _apply(turn, anchors - joint)
+            rotations, normals = turn @ rotations, _apply(turn, normals)
         whole = whole[:, None]
-        return Pose(_apply(whole, seeds), whole @ rotations, _apply(whole, normals))
+        return Pose(_apply(whole, seeds), whole @ rotations, _apply(whole, normals), _apply(whole, anchors))
 
 
 def _apply(turn: Tensor, vectors: Tensor) -> Tensor:

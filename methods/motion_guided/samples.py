@@ -84,7 +84,7 @@ class Reposed:
             offset = self.poses.options.code_spread * drawn
             moved = (offset @ model.space_basis).unflatten(-1, (-1, 3))
             displaced, code_before = [d + moved for d in displaced[:3]] + displaced[3:], code_before + offset
-        garments = [model.pose(d, p.seeds, p.rotations) for d, p in zip(displaced, pose, strict=True)]
+        garments = [model.pose(d, p) for d, p in zip(displaced, pose, strict=True)]
         return _sample(garments, links, pose[2:], recorded.codes[t], code_before)
 
 

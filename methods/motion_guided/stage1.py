@@ -9,7 +9,7 @@ from garmentbench.method import FitRun
 from garmentbench.methods.motion_guided.canonical import Canonical
 from garmentbench.methods.motion_guided.closed_form import random_garments, solve_encoder_path
 from garmentbench.methods.motion_guided.config import Model, Stage1
-from garmentbench.methods.motion_guided.displacement_space import set_displacement_space
+from garmentbench.methods.motion_guided.displacement_space import displacement_scale, set_displacement_space
 from garmentbench.methods.motion_guided.frames import BodyFrames, Pose, body_frames
 from garmentbench.methods.motion_guided.generative import GenerativeModel
 from garmentbench.methods.motion_guided.limbs import Limbs
@@ -43,7 +43,8 @@ def training_frames(
 ) -> TrainingFrames:
     """Garment and seeds of every frame of the sequences."""
     bodies = [
-        body_frames(s.body_positions, canonical.seeds, options.seed_rotation, options.axes, device) for s in sequences
+        body_frames(s.body_positions, canonical.seeds, options.seed_rotation, options.axes, device, canonical.upright)
+        for s in sequences
     ]
     garments = [body.local(s.garment) for s, body in zip(sequences, bodies, strict=True)]
     return TrainingFrames(torch.cat(garments), BodyFrames.joined(bodies), tuple(len(s) for s in sequences))
@@ -72,6 +73,8 @@ def fit_stage1(
     torch.manual_seed(run.seed)
     model = GenerativeModel(canonical, sizes).to(frames.garments.device)
     pose = frames.body.pose
+    if sizes.output_scale is None:
+        model.unit.copy_(displacement_scale(model, frames.garments, pose))
     if sizes.centred_descriptor:
         model.centre_descriptor(frames.garments, pose.seeds)
     poses = None
@@ -101,7 +104,7 @@ def stage1_loss(
     """Terms of L = L_rec + L_rand + lambda_1 L_SDF0 + lambda_2 L_reg at some frames' garments, shape (batch, V, 3)."""
     code = model.encode(garments, pose.seeds)
     displaced = model.displaced(code)
-    posed = model.pose(displaced, pose.seeds, pose.rotations)
+    posed = model.pose(displaced, pose)
     position, laplacian = reconstruction(posed, garments, model.laplacian)
     terms = {"position": position, "laplacian": laplacian, "latent": latent_regulariser(code)}
     total = position + laplacian + options.latent_weight * terms["latent"]
@@ -130,7 +133,7 @@ def with_random_garments(
     """The same terms, averaged with the reconstruction of as many random garments in random poses (ours)."""
     codes, garments, pose = random_garments(model, poses, recorded, options.training.batch, random)
     found = model.encode(garments, pose.seeds)
-    posed = model.pose(model.displaced(found), pose.seeds, pose.rotations)
+    posed = model.pose(model.displaced(found), pose)
     position, laplacian = reconstruction(posed, garments, model.laplacian)
     error = (found - codes).abs().mean()
     total = 0.5 * (terms["total"] + position + laplacian) + options.code_weight * error

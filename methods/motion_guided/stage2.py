@@ -7,6 +7,7 @@ from garmentbench.method import FitRun
 from garmentbench.methods.motion_guided.closed_form import RIDGE, ridge
 from garmentbench.methods.motion_guided.config import Model, Stage2
 from garmentbench.methods.motion_guided.dynamics import DynamicEncoder
+from garmentbench.methods.motion_guided.frames import Pose
 from garmentbench.methods.motion_guided.generative import GenerativeModel
 from garmentbench.methods.motion_guided.inputs import Inputs, dynamic_inputs, flat_place
 from garmentbench.methods.motion_guided.limbs import Limbs
@@ -25,7 +26,6 @@ def fit_stage2(
     limbs: Limbs,
     sizes: Model,
     options: Stage2,
-    touches: bool,
     run: FitRun,
 ) -> None:
     """Train C and E^Dyn with S, D, R and the radii fixed; their weights go into the run's folder.
@@ -36,17 +36,19 @@ def fit_stage2(
         limbs: What turns in random poses.
         sizes: Of the model.
         options: Of the training.
-        touches: There is something to touch.
         run: The stage's run.
     """
     torch.manual_seed(run.seed)
     device = frames.garments.device
-    dynamics = DynamicEncoder(sizes, len(model.canonical_seeds), touches, options.pose_path).to(device)
+    dynamics = DynamicEncoder(sizes, len(model.canonical_seeds), options).to(device)
     recorded, posing = Recorded(model, frames), options.posing
     varied = posing.limb_angle or posing.whole_angle or posing.code_spread
     reposed = Reposed(model, frames, recorded, RandomPoses(limbs, model.canonical_seeds, posing)) if varied else None
-    cached = all_inputs(model, recorded, options, touches) if options.cache_inputs and not varied else None
+    cached = all_inputs(model, recorded, options) if options.cache_inputs and not varied else None
 
+    if options.units == "spread":
+        parts = (sample_inputs(model, recorded.at(t), options) for t in recorded.targets.split(CHUNK))
+        dynamics.set_units([cached] if cached else parts, int(model.to_map.mask.sum()))
     if options.pose_path:
         solve_pose_path(model, dynamics, recorded, reposed, run.seed)
 
@@ -54,16 +56,16 @@ def fit_stage2(
         chosen = batch_at(step, options.training.batch, len(recorded.targets), run.seed)
         t = recorded.targets[chosen]
         sample = recorded.at(t) if reposed is None else reposed.at(t, generator(run.seed, step))
-        inputs = cached.at(chosen) if cached else sample_inputs(model, sample, options, touches)
+        inputs = cached.at(chosen) if cached else sample_inputs(model, sample, options)
         return stage2_loss(model, dynamics, sample, inputs, options)
 
     train(dynamics, loss, options.training, run, "stage 2: dynamics")
 
 
-def sample_inputs(model: GenerativeModel, sample: Sample, options: Stage2, touches: bool) -> Inputs:
+def sample_inputs(model: GenerativeModel, sample: Sample, options: Stage2) -> Inputs:
     """Teacher-forced inputs of samples."""
-    s, distance = sample, options.force_distance
-    return dynamic_inputs(model, s.past, s.before, s.now, s.on, distance, touches)
+    s = sample
+    return dynamic_inputs(model, s.past, s.before, s.now, s.on, options)
 
 
 @torch.no_grad()
@@ -82,24 +84,23 @@ def solve_pose_path(
     dynamics.path_bias.copy_(bias)
 
 
-def all_inputs(model: GenerativeModel, recorded: Recorded, options: Stage2, touches: bool) -> Inputs:
+def all_inputs(model: GenerativeModel, recorded: Recorded, options: Stage2) -> Inputs:
     """Inputs of all `recorded.targets`."""
     chunks = recorded.targets.split(CHUNK)
-    return Inputs.joined([sample_inputs(model, recorded.at(t), options, touches) for t in chunks])
+    return Inputs.joined([sample_inputs(model, recorded.at(t), options) for t in chunks])
 
 
 def stage2_loss(
     model: GenerativeModel, dynamics: DynamicEncoder, sample: Sample, inputs: Inputs, options: Stage2
 ) -> dict[str, Tensor]:
     """Terms of eq. 2: each once for the frame and once for the virtual sample, in which nothing changes."""
-    found, code, garment, pose = dynamics(inputs), sample.code, sample.garment, [sample.now]
+    found, code, garment, pose = dynamics(inputs), sample.code, sample.garment, sample.now
     kinds = 2 if options.virtual_sample else 1
     if options.virtual_sample:
         found = torch.cat([found, dynamics.still(inputs)])
         code, garment = torch.cat([code, sample.code_before]), torch.cat([garment, sample.past.garment])
-        pose.append(sample.before)
-    seeds, rotations = torch.cat([p.seeds for p in pose]), torch.cat([p.rotations for p in pose])
-    posed = model.pose(model.displaced(found), seeds, rotations)
+        pose = Pose.joined([pose, sample.before])
+    posed = model.pose(model.displaced(found), pose)
     terms = {  # a mean over both kinds, times their number, is a sum of two means
         "geometry": kinds * dynamic_pair(posed, garment),
         "code": kinds * dynamic_pair(found, code),

@@ -36,8 +36,7 @@ def train_stages(
     assert isinstance(canonical.seeds, SeedPoints), "seeds inside triangles are only read, never trained"
     limbs = find_limbs(template.required_body, canonical.seeds)
     generative = _stage1(frames, canonical, limbs, sdf, config, run, identity)
-    touches = template.needs.interaction_force
-    return generative, _stage2(frames, generative, limbs, touches, config, run, identity)
+    return generative, _stage2(frames, generative, limbs, config, run, identity)
 
 
 def _sdf(template: Template, config: Config, run: FitRun, device: torch.device, identity: dict) -> SignedDistance:
@@ -75,7 +74,6 @@ def _stage2(
     frames: TrainingFrames,
     generative: GenerativeModel,
     limbs: Limbs,
-    touches: bool,
     config: Config,
     run: FitRun,
     identity: dict,
@@ -84,9 +82,9 @@ def _stage2(
     options = {part: asdict(getattr(config, part)) for part in ("model", "sdf", "stage1", "stage2")}
     stage = run.stage("stage2", {**identity, **options, "code": code})
     if not stage.finished:
-        fit_stage2(generative, frames, limbs, config.model, config.stage2, touches, stage)
+        fit_stage2(generative, frames, limbs, config.model, config.stage2, stage)
         stage.finish()
-    dynamics = DynamicEncoder(config.model, len(generative.canonical_seeds), touches, config.stage2.pose_path)
+    dynamics = DynamicEncoder(config.model, len(generative.canonical_seeds), config.stage2)
     dynamics.to(frames.garments.device).load_state_dict(load(stage.folder / WEIGHTS, frames.garments.device))
     return dynamics.requires_grad_(False)
 

@@ -87,7 +87,7 @@ def test_a_sequence_given_twice_teaches_linear_subspace_what_it_teaches_once():
 def test_samples_of_the_motion_guided_model_have_their_past_in_their_own_sequence():
     first, second = tiny_sequence(12), tiny_sequence(9, phase=1.0)
     config, cpu = config_for("smoke").model, torch.device("cpu")
-    canonical = Canonical.of(first.template, config.seeds)
+    canonical = Canonical.of(first.template, config)
     model = GenerativeModel(canonical, config)
     frames = training_frames((first, second), canonical, config, cpu)
     recorded = Recorded(model, frames)

@@ -66,12 +66,12 @@ def read_model(
             "use the checkpoint that belongs to this data"
         )
     model = GenerativeModel(canonical, config.model)
-    dynamics = DynamicEncoder(config.model, config.model.seeds, touches=True, pose_path=False)
+    dynamics = DynamicEncoder(config.model, config.model.seeds, config.stage2)
     turn = torch.from_numpy(place.turn)
     assert canonical.seeds.labels is not None, "read with the seeds"
     load_static(model, first, static, torch.from_numpy(np.unique(canonical.seeds.labels)), turn)
     load_dynamic(dynamics, second, dynamic, turn)
-    method = MotionGuided(canonical, config, model.requires_grad_(False), dynamics.requires_grad_(False), touches=True)
+    method = MotionGuided(canonical, config, model.requires_grad_(False), dynamics.requires_grad_(False))
     return method, _told(release, place, method)
 
 

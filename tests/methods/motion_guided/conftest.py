@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from garmentbench.methods.motion_guided import MotionGuided
-from garmentbench.methods.motion_guided.config import Collision, Config, Model, Posing, Sdf, Stage1, Stage2, Training
+from garmentbench.methods.motion_guided.config import VARIANTS, Config, Training, config_for
 from garmentbench.sequence import Body, Garment, Sequence, Template
 from garmentbench.storage.runs import RunStore
 
@@ -60,14 +60,19 @@ def make_sequence(frames: int, kind: str = "human") -> Sequence:
 
 
 def tiny_config() -> Config:
-    """Everything at the smallest size, a few steps a stage."""
-    few = Training(steps=6, batch=2, learning_rate=1e-3)
-    return Config(
-        model=Model(8, 4, 8, 6, 12, axes="heading", output_scale=0.03, centred_descriptor=True, linear_paths=True),
-        sdf=Sdf(layers=4, width=16, batch=16, training=few),
-        stage1=Stage1(few, posing=Posing(0.1, 0.1, 1.0)),
-        stage2=Stage2(few, pose_path=True, posing=Posing(0.1, 0.1, 0.3)),
-        collision=Collision(map_size=8),
+    """The published small configuration, smaller still, and a few steps a stage."""
+    return sized(config_for("smoke"), Training(steps=6, batch=2, learning_rate=1e-3))
+
+
+def sized(published: Config, training: Training) -> Config:
+    """The published choices at the tube's size, trained as said."""
+    return replace(
+        published,
+        model=replace(published.model, map_size=8, width=4, mlp_width=8, latent=6, seeds=12),
+        sdf=replace(published.sdf, width=16, batch=16, training=replace(training, steps=6)),
+        stage1=replace(published.stage1, training=training),
+        stage2=replace(published.stage2, training=training),
+        collision=replace(published.collision, map_size=8),
     )
 
 
@@ -85,6 +90,11 @@ def object_sequence() -> Sequence:
 @pytest.fixture(scope="session")
 def config() -> Config:
     return tiny_config()
+
+
+@pytest.fixture(scope="session")
+def linear_config(config) -> Config:
+    return VARIANTS["linear_paths"](config)
 
 
 @pytest.fixture(scope="session")

@@ -6,6 +6,7 @@ from garmentbench.geometry.mesh import vertex_normals
 from garmentbench.geometry.nearest import plane_distances
 from garmentbench.methods.motion_guided.collision import CollisionStage, Planes, Residual
 from garmentbench.methods.motion_guided.config import Collision
+from garmentbench.methods.motion_guided.frames import Pose
 
 CPU = torch.device("cpu")
 
@@ -19,7 +20,7 @@ def pressed(trained, sequence):
     displaced[0, front] *= torch.tensor([0.75, 0.75, 1.0])
     seeds = torch.from_numpy(trained.canonical.seeds.rest)[None]
     turns = torch.eye(3).expand(1, len(seeds[0]), 3, 3)
-    directions = trained.generative.directions(displaced, seeds, turns)
+    directions = trained.generative.directions(displaced, Pose(seeds, turns, seeds, seeds))
     return displaced[0], directions[0], body.rest
 
 

@@ -49,7 +49,7 @@ def test_moving_the_scene_away_moves_the_prediction_alike(trained, sequence):
     shift = np.array([64.0, -128.0, 32.0], np.float32)
     moved = replace(sequence, garment=sequence.garment + shift, body=sequence.body + shift)
     config = replace(trained.config, collision=replace(trained.config.collision, enabled=False))
-    without = MotionGuided(trained.canonical, config, trained.generative, trained.dynamics, touches=True)
+    without = MotionGuided(trained.canonical, config, trained.generative, trained.dynamics)
     # float32 at 128 m has steps of 8e-6 m, which rotations of 4 cm wide rings turn into 1e-4 m.
     np.testing.assert_allclose(roll_out(without, moved)[0] - shift, roll_out(without, sequence)[0], atol=1e-3)
 
@@ -90,7 +90,7 @@ def test_not_a_number_is_returned_as_it_is(trained, sequence):
 def test_every_parameter_gets_a_gradient(sequence, config, linear_paths):
     torch.manual_seed(0)
     sizes, cpu = replace(config.model, linear_paths=linear_paths), torch.device("cpu")
-    canonical = Canonical.of(sequence.template, sizes.seeds)
+    canonical = Canonical.of(sequence.template, sizes)
     model = GenerativeModel(canonical, sizes)
     pressed = sequence.garment - 0.4 * (sequence.garment - sequence.body.mean(axis=1, keepdims=True))  # into the body
     frames = training_frames((replace(sequence, garment=pressed),), canonical, sizes, cpu)
@@ -99,9 +99,9 @@ def test_every_parameter_gets_a_gradient(sequence, config, linear_paths):
     stage1_loss(model, None, frames.garments[chosen], pose, 0, config.stage1, torch.Generator())["total"].backward()
     _all_moved(model)
     model.requires_grad_(False)
-    dynamics = DynamicEncoder(sizes, len(model.canonical_seeds), touches=True, pose_path=linear_paths)
+    dynamics = DynamicEncoder(sizes, len(model.canonical_seeds), replace(config.stage2, pose_path=linear_paths))
     sample = Recorded(model, frames).at(chosen)
-    inputs = sample_inputs(model, sample, config.stage2, touches=True)
+    inputs = sample_inputs(model, sample, config.stage2)
     assert inputs.strength.max() > 0
     stage2_loss(model, dynamics, sample, inputs, config.stage2)["total"].backward()
     _all_moved(dynamics)

@@ -23,12 +23,12 @@ CPU = torch.device("cpu")
 
 
 @pytest.fixture(scope="module")
-def prepared(sequence, config):
+def prepared(sequence, linear_config):
     """Canonical pose, untrained model with its displacement space, training frames, and limbs."""
     torch.manual_seed(0)
-    canonical = Canonical.of(sequence.template, config.model.seeds)
-    model = GenerativeModel(canonical, replace(config.model, latent=64)).requires_grad_(False)
-    frames = training_frames((sequence,), canonical, config.model, CPU)
+    canonical = Canonical.of(sequence.template, linear_config.model)
+    model = GenerativeModel(canonical, replace(linear_config.model, latent=64)).requires_grad_(False)
+    frames = training_frames((sequence,), canonical, linear_config.model, CPU)
     set_displacement_space(model, canonical, frames.garments, frames.body.pose)
     return canonical, model, frames, find_limbs(sequence.template.body, canonical.seeds)
 
@@ -76,7 +76,7 @@ def test_undoing_a_pose_gives_what_is_posed_as_the_garment(prepared):
     _, model, frames, _ = prepared
     pose = frames.body.pose
     displaced = undo_pose(model, frames.garments, pose, iterations=12)
-    np.testing.assert_allclose(model.pose(displaced, pose.seeds, pose.rotations), frames.garments, atol=1e-5)
+    np.testing.assert_allclose(model.pose(displaced, pose), frames.garments, atol=1e-5)
 
 
 def test_the_displacement_space_holds_the_training_frames(prepared):

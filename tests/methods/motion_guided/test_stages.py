@@ -33,20 +33,22 @@ def test_variants_share_all_stages_that_they_do_not_change(sequence, config, tmp
         "full": (1, 1, 1),
         "fixed_weights": (1, 2, 2),
         "no_virtual_sample": (1, 2, 3),
-        "no_collision": (1, 2, 3),
-        "linear_paths": (1, 3, 4),
+        "no_velocity": (1, 2, 4),
+        "no_force": (1, 2, 5),
+        "pose_only": (1, 2, 6),
+        "no_collision": (1, 2, 6),
+        "linear_paths": (1, 3, 7),
     }
 
 
-def test_beside_an_object_there_is_no_sdf_no_collision_stage_and_one_radius(object_sequence, config, tmp_path):
+def test_beside_an_object_there_is_no_sdf_no_collision_stage_and_one_radius(object_sequence, linear_config, tmp_path):
     store = RunStore(tmp_path)
     with store.open("train", {"seed": 0}) as run:
-        method = MotionGuided.fit((object_sequence,), config, run)
+        method = MotionGuided.fit((object_sequence,), linear_config, run)
     assert set(_stages(store)) == {"stage1", "stage2"}
     assert "sdf" not in store.list({"kind": "stage1"})[0].metrics()[0]
     assert method.generative.log_radii.shape == (1,)
-    assert not method.config.stage2.pose_path and config.stage2.pose_path
-    assert method.config.model.axes == "world" and config.model.axes == "heading"
+    assert not method.config.stage2.pose_path and linear_config.stage2.pose_path
     state = method.begin(object_sequence.template, History.before(object_sequence, 3))
     garment, state = method.step(state, BodyFrame(object_sequence.body[3]))
     assert np.isfinite(garment).all()
