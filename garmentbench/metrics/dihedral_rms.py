@@ -14,9 +14,9 @@ nothing across meshes. NaN where the reference is flat.
 import numpy as np
 from jaxtyping import Float, Int
 
-from garmentbench.geometry.mesh import face_normals
+from garmentbench.geometry.mesh import angles, face_normals
 from garmentbench.geometry.weld import weld
-from garmentbench.metrics.metric import Metric
+from garmentbench.metrics.metric import Metric, Motion, blocks
 from garmentbench.sequence import Garment
 
 
@@ -43,23 +43,26 @@ def dihedral_rms(
         pairs: Neighbouring faces, shape (E, 2).
     """
     squares = []
-    for x in positions.astype(np.float64):
-        first, second = face_normals(x, faces)[pairs].transpose(1, 0, 2)
-        sine, cosine = np.linalg.norm(np.cross(first, second), axis=1), (first * second).sum(axis=1)
-        squares.append(np.mean(np.arctan2(sine, cosine) ** 2))
-    return float(np.sqrt(np.mean(squares)))
+    for x in blocks(positions):
+        normals = face_normals(x, faces)
+        squares.append((angles(normals[:, pairs[:, 0]], normals[:, pairs[:, 1]]) ** 2).mean(axis=1))
+    return float(np.sqrt(np.mean(np.concatenate(squares))))
 
 
-def _ratio(predicted: np.ndarray, reference: np.ndarray, garment: Garment) -> float:
-    pairs = face_pairs(garment)
-    wrinkled = dihedral_rms(reference, garment.faces, pairs)
-    return dihedral_rms(predicted, garment.faces, pairs) / wrinkled if wrinkled > 0 else float("nan")
+def _wrinkled(positions: np.ndarray, motion: Motion) -> float:
+    garment = motion.template.garment
+    return dihedral_rms(positions, garment.faces, face_pairs(garment))
+
+
+def _ratio(motion: Motion) -> float:
+    wrinkled = motion.once(_wrinkled, motion.reference)
+    return motion.once(_wrinkled, motion.predicted) / wrinkled if wrinkled > 0 else float("nan")
 
 
 DIHEDRAL_RMS = Metric(
     "dihedral_rms",
     "1",
     "wrinkles over the reference's",
-    lambda m: _ratio(m.predicted, m.reference, m.template.garment),
+    _ratio,
     best="one",
 )

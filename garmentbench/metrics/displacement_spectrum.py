@@ -22,7 +22,7 @@ from jaxtyping import Float
 from garmentbench.geometry.cloth_rest import cloth_at_rest
 from garmentbench.geometry.mesh import border_edges
 from garmentbench.geometry.weld import weld
-from garmentbench.metrics.metric import Metric
+from garmentbench.metrics.metric import Metric, Motion, blocks
 from garmentbench.sequence import Garment
 
 POWERS = (0, 1, 2, 4, 8, 16, 32)
@@ -58,19 +58,23 @@ def band_energies(positions: Float[np.ndarray, "frames vertices 3"], garment: Ga
     first = np.zeros(count, np.int64)
     first[point] = np.arange(len(point))
     smooth, energies = smoother(garment), np.zeros(len(POWERS) - 1)
-    x = positions[:, first].astype(np.float64)
-    x = (x - x.mean(axis=1, keepdims=True)).transpose(1, 0, 2).reshape(count, -1)
-    for k, (low, high) in enumerate(pairwise(POWERS)):
-        smoothed = x
-        for _ in range(high - low):
-            smoothed = smooth @ smoothed
-        energies[k] = 3 * np.mean((x - smoothed) ** 2)
-        x = smoothed
-    return energies
+    for block in blocks(positions[:, first]):
+        x = (block - block.mean(axis=1, keepdims=True)).transpose(1, 0, 2).reshape(count, -1)
+        for k, (low, high) in enumerate(pairwise(POWERS)):
+            smoothed = x
+            for _ in range(high - low):
+                smoothed = smooth @ smoothed
+            energies[k] += np.sum((x - smoothed) ** 2)
+            x = smoothed
+    return energies / (count * len(positions))
 
 
-def _distance(predicted: np.ndarray, reference: np.ndarray, garment: Garment) -> float:
-    wanted, found = band_energies(reference, garment), band_energies(predicted, garment)
+def _energies(positions: np.ndarray, motion: Motion) -> np.ndarray:
+    return band_energies(positions, motion.template.garment)
+
+
+def _distance(motion: Motion) -> float:
+    wanted, found = motion.once(_energies, motion.reference), motion.once(_energies, motion.predicted)
     there = wanted > 0
     return float(np.mean(np.abs(np.log2(found[there] / wanted[there])))) if there.any() else float("nan")
 
@@ -79,5 +83,5 @@ DISPLACEMENT_SPECTRUM = Metric(
     "displacement_spectrum",
     "1",
     "spectrum off",
-    lambda m: _distance(m.predicted, m.reference, m.template.garment),
+    _distance,
 )

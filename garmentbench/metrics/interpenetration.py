@@ -18,13 +18,14 @@ from jaxtyping import Bool, Float, Int
 
 from garmentbench.geometry.mesh import corner_matrix, vertex_normals
 from garmentbench.geometry.nearest import plane_distances
-from garmentbench.metrics.metric import Metric, has_inside
+from garmentbench.metrics.metric import Metric, Motion, has_inside
 
 
 def inside_vertices(
     garment: Float[np.ndarray, "frames vertices 3"],
     body: Float[np.ndarray, "frames body_vertices 3"],
     body_faces: Int[np.ndarray, "faces 3"],
+    wanted: Bool[np.ndarray, "frames vertices"] | None = None,
 ) -> Bool[np.ndarray, "frames vertices"]:
     """Which garment vertices are behind the tangent plane of their nearest body vertex.
 
@@ -32,35 +33,48 @@ def inside_vertices(
         garment: [m], shape (T, V, 3), finite.
         body: [m], shape (T, B, 3).
         body_faces: Shape (K, 3), outward orientation.
+        wanted: Which are asked for, shape (T, V); the others are outside. None: all.
 
     Returns:
         bool, shape (T, V).
     """
-    corners = corner_matrix(body_faces, body.shape[1])
-    normals = (vertex_normals(b, body_faces, corners) for b in body)
-    return np.array([plane_distances(g, b, n) < 0 for g, b, n in zip(garment, body, normals, strict=True)])
+    corners, inside = corner_matrix(body_faces, body.shape[1]), np.zeros(garment.shape[:2], bool)
+    for t, (g, b) in enumerate(zip(garment, body, strict=True)):
+        asked = slice(None) if wanted is None else wanted[t]
+        inside[t, asked] = plane_distances(g[asked], b, vertex_normals(b, body_faces, corners)) < 0
+    return inside
 
 
-def interpenetration(
-    garment: Float[np.ndarray, "frames vertices 3"],
-    body: Float[np.ndarray, "frames body_vertices 3"],
-    body_faces: Int[np.ndarray, "faces 3"],
-) -> float:
-    """Share of garment vertices inside [%], mean over frames. Arguments as for `inside_vertices`."""
-    return float(100 * inside_vertices(garment, body, body_faces).mean())
+def interpenetration(inside: Bool[np.ndarray, "frames vertices"]) -> float:
+    """Share of garment vertices inside [%], mean over frames, shape (T, V)."""
+    return float(100 * inside.mean())
+
+
+def _inside(predicted: np.ndarray, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
+    """Which vertices are inside, of the prediction and of that before the collision stage, where it has one; what that
+    has left alone is not looked at twice."""
+    before, body, template = motion.before_collision, motion.body, motion.template
+    assert body is not None and template.body is not None
+    if before is None:
+        inside = inside_vertices(predicted, body, template.body.faces)
+        return inside, inside
+    changed = (before != predicted).any(axis=2)
+    both, wanted = np.concatenate([predicted, before], 1), np.concatenate([np.ones_like(changed), changed], 1)
+    inside, inside_before = np.split(inside_vertices(both, body, template.body.faces, wanted), 2, axis=1)
+    return inside, np.where(changed, inside_before, inside)
 
 
 INTERPENETRATION = Metric(
     "interpenetration",
     "%",
     "inside",
-    lambda m: interpenetration(m.predicted, m.body, m.template.body.faces),
+    lambda m: interpenetration(m.once(_inside, m.predicted)[0]),
     has_inside,
 )
 INTERPENETRATION_BEFORE = Metric(
     "interpenetration_before",
     "%",
     "inside before collision stage",
-    lambda m: interpenetration(m.before_collision, m.body, m.template.body.faces),
+    lambda m: interpenetration(m.once(_inside, m.predicted)[1]),
     lambda m: has_inside(m) and m.before_collision is not None,
 )

@@ -13,6 +13,7 @@ reference happens to be calm. A garment that doesn't move relative to a calm bod
 import numpy as np
 from jaxtyping import Float
 
+from garmentbench.geometry.mesh import lengths
 from garmentbench.metrics.metric import Metric
 
 
@@ -20,7 +21,7 @@ def accelerations(
     positions: Float[np.ndarray, "frames vertices 3"], fps: float
 ) -> Float[np.ndarray, "frames-2 vertices"]:
     """Sizes of accelerations [m/s^2], shape (T - 2, V), of positions [m], shape (T, V, 3)."""
-    return np.linalg.norm(np.diff(positions, n=2, axis=0), axis=-1) * fps**2
+    return lengths(np.diff(positions, n=2, axis=0)) * fps**2
 
 
 def jitter(

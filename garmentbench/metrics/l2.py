@@ -17,6 +17,7 @@ L2; this one is ours.
 import numpy as np
 from jaxtyping import Float
 
+from garmentbench.geometry.mesh import lengths
 from garmentbench.metrics.metric import Metric
 
 
@@ -24,7 +25,7 @@ def frame_l2(
     predicted: Float[np.ndarray, "frames vertices 3"], reference: Float[np.ndarray, "frames vertices 3"]
 ) -> Float[np.ndarray, " frames"]:
     """L2 of each frame [cm], shape (T,), of positions [m], shape (T, V, 3). NaN where a position is not finite."""
-    return 100 * np.linalg.norm(predicted - reference, axis=-1).mean(axis=-1, dtype=np.float64)
+    return 100 * lengths(predicted - reference).mean(axis=-1, dtype=np.float64)
 
 
 def l2(predicted: Float[np.ndarray, "frames vertices 3"], reference: Float[np.ndarray, "frames vertices 3"]) -> float:

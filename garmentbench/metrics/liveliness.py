@@ -17,7 +17,7 @@ from jaxtyping import Float, Int
 
 from garmentbench.geometry.cloth_rest import cloth_at_rest
 from garmentbench.geometry.nearest import nearest_vertices
-from garmentbench.metrics.metric import Metric
+from garmentbench.metrics.metric import Metric, Motion
 
 
 def relative_energy(
@@ -56,29 +56,35 @@ def vertex_areas(
 def liveliness(
     predicted: Float[np.ndarray, "frames vertices 3"],
     reference: Float[np.ndarray, "frames vertices 3"],
-    body: Float[np.ndarray, "frames body_vertices 3"] | None,
-    rest: Float[np.ndarray, "vertices 3"],
-    faces: Int[np.ndarray, "faces 3"],
+    near: Float[np.ndarray, "frames-1 vertices 3"] | None,
+    mass: Float[np.ndarray, " vertices"],
 ) -> float:
     """Kinetic energy relative to the body over the reference's.
 
     Args:
         predicted: [m], shape (T, V, 3), finite.
         reference: [m], shape (T, V, 3).
-        body: [m], shape (T, B, 3); None where there is no body.
-        rest: Where its cloth is at rest [m], shape (V, 3).
-        faces: Its faces, shape (F, 3).
+        near, mass: As for `relative_energy`, near the reference.
     """
-    near, mass = None if body is None else near_displacements(reference, body), vertex_areas(rest, faces)
     energy = relative_energy(reference, near, mass)
     return relative_energy(predicted, near, mass) / energy if energy > 0 else float("nan")
+
+
+def _near(positions: np.ndarray, motion: Motion) -> np.ndarray | None:
+    return None if motion.body is None else near_displacements(positions, motion.body)
+
+
+def _liveliness(motion: Motion) -> float:
+    garment = motion.template.garment
+    mass = vertex_areas(cloth_at_rest(garment), garment.faces)
+    return liveliness(motion.predicted, motion.reference, motion.once(_near, motion.reference), mass)
 
 
 LIVELINESS = Metric(
     "liveliness",
     "1",
     "liveliness",
-    lambda m: liveliness(m.predicted, m.reference, m.body, cloth_at_rest(m.template.garment), m.template.garment.faces),
+    _liveliness,
     best="one",
     compares=True,
 )

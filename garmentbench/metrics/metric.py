@@ -1,13 +1,23 @@
 """What a metric is, and what it is computed from."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any, TypeVar
 
 import numpy as np
 from jaxtyping import Bool, Float
 
 from garmentbench.sequence import Sequence, Template
+
+T = TypeVar("T")
+BLOCK = 32  # frames that are measured together: few enough to stay in the processor's cache
+
+
+def blocks(frames: Float[np.ndarray, "frames ..."]) -> Iterator[Float[np.ndarray, "block ..."]]:
+    """The frames, a few at a time, float64."""
+    for start in range(0, len(frames), BLOCK):
+        yield frames[start : start + BLOCK].astype(np.float64)
 
 
 @dataclass(frozen=True)
@@ -23,6 +33,7 @@ class Motion:
         ms: Wall time of each frame's prepare, predict and collide [ms], shape (T, 3); None where nothing was timed.
         processor_ms: Processor time of each frame [ms], shape (T,); None where it was not taken.
         runs: Further runs of the reference [m], shape (M, T, V, 3); None where there are none.
+        kept: What `once` has measured; motions that come from one another by `replace` share it.
     """
 
     predicted: Float[np.ndarray, "frames vertices 3"]
@@ -33,11 +44,26 @@ class Motion:
     ms: Float[np.ndarray, "frames 3"] | None = None
     processor_ms: Float[np.ndarray, " frames"] | None = None
     runs: Float[np.ndarray, "runs frames vertices 3"] | None = None
+    kept: dict = field(default_factory=dict, repr=False, compare=False)
 
     @classmethod
     def of(cls, sequence: Sequence) -> "Motion":
         """A sequence as its own prediction."""
         return cls(sequence.garment, sequence.garment, sequence.body, sequence.template, runs=sequence.runs)
+
+    @property
+    def truth(self) -> "Motion":
+        """The reference in the prediction's place; it has no collision stage and was not timed."""
+        before = None if self.before_collision is None else self.reference
+        return replace(self, predicted=self.reference, before_collision=before, ms=None, processor_ms=None)
+
+    def once(self, measure: Callable[[Any, "Motion"], T], positions: Float[np.ndarray, "frames vertices 3"]) -> T:
+        """`measure(positions, self)`, measured once, however many metrics ask and in whosever place the positions are:
+        it may depend on them, on what goes with them (the body, the template), and on nothing else."""
+        key = (measure, id(positions))
+        if key not in self.kept:
+            self.kept[key] = (positions, measure(positions, self))
+        return self.kept[key][1]
 
     @property
     def ensemble(self) -> list[Float[np.ndarray, "frames vertices 3"]]:

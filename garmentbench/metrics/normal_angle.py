@@ -13,8 +13,8 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from garmentbench.geometry.cloth_rest import rest_areas
-from garmentbench.geometry.mesh import face_normals
-from garmentbench.metrics.metric import Metric
+from garmentbench.geometry.mesh import angles, face_normals
+from garmentbench.metrics.metric import Metric, blocks
 
 
 def normal_angle(
@@ -31,11 +31,9 @@ def normal_angle(
         areas: Weights of the faces, in any unit, shape (F,).
     """
     means = []
-    for x, y in zip(predicted.astype(np.float64), reference.astype(np.float64), strict=True):
-        n, m = face_normals(x, faces), face_normals(y, faces)
-        angle = np.arctan2(np.linalg.norm(np.cross(n, m), axis=1), (n * m).sum(axis=1))
-        means.append(angle @ areas / areas.sum())
-    return float(np.degrees(np.mean(means)))
+    for x, y in zip(blocks(predicted), blocks(reference), strict=True):
+        means.append(angles(face_normals(x, faces), face_normals(y, faces)) @ areas / areas.sum())
+    return float(np.degrees(np.mean(np.concatenate(means))))
 
 
 NORMAL_ANGLE = Metric(

@@ -179,9 +179,9 @@ def closed(a: Arrays) -> list[Problem]:
 
 def starts_inside(a: Arrays) -> list[Problem]:
     """How much of the garment begins inside the body?"""
-    from garmentbench.metrics.interpenetration import interpenetration
+    from garmentbench.metrics.interpenetration import inside_vertices, interpenetration
 
-    percent = interpenetration(a["garment/frames"][:1], a["body/frames"][:1], a["body/faces"])
+    percent = interpenetration(inside_vertices(a["garment/frames"][:1], a["body/frames"][:1], a["body/faces"]))
     if percent <= INSIDE_PERCENT:
         return []
     what = f"{percent:.1f} % of the garment's vertices lie inside the body, wanted at most {INSIDE_PERCENT:g} %"

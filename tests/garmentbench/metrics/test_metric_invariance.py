@@ -13,11 +13,11 @@ from garmentbench.evaluation.toy import tiny_sequence
 from garmentbench.geometry.mesh import edge_lengths, unique_edges
 from garmentbench.geometry.signed_distance import signed_distances
 from garmentbench.metrics import METRICS, STUDY_METRICS
-from garmentbench.metrics.interpenetration import interpenetration
+from garmentbench.metrics.interpenetration import inside_vertices, interpenetration
 from garmentbench.metrics.interpenetration_strict import depth_p95, interpenetration_strict
 from garmentbench.metrics.jitter import jitter
 from garmentbench.metrics.l2 import l2
-from garmentbench.metrics.liveliness import liveliness
+from garmentbench.metrics.liveliness import liveliness, near_displacements, vertex_areas
 from garmentbench.metrics.strain import strain_p95
 
 
@@ -45,12 +45,12 @@ def all_metrics(predicted, reference, body, rest, faces, body_faces):
     distances, edges = signed_distances(predicted, body, body_faces), unique_edges(faces)
     return {
         "l2": l2(predicted, reference),
-        "interpenetration": interpenetration(predicted, body, body_faces),
+        "interpenetration": interpenetration(inside_vertices(predicted, body, body_faces)),
         "interpenetration_strict": interpenetration_strict(distances),
         "depth_p95": depth_p95(distances),
         "strain_p95": strain_p95(predicted, edges, edge_lengths(rest, edges)),
         "jitter": jitter(predicted, reference, 30.0),
-        "liveliness": liveliness(predicted, reference, body, rest, faces),
+        "liveliness": liveliness(predicted, reference, near_displacements(reference, body), vertex_areas(rest, faces)),
     }
 
 
