@@ -16,11 +16,13 @@ from garmentbench.method import Method
 from garmentbench.methods import method_names
 from garmentbench.metrics import metric
 from garmentbench.metrics.push_growth import PUSH_GROWTH, regime
-from garmentbench.reference import Source, make_reference, resolve_source
+from garmentbench.motion.timing import WARM_UP
+from garmentbench.reference import Source, make_reference, resolve_source, runs_wanted
 from garmentbench.report.card import frame_count
 from garmentbench.report.cells import ABSENT, best, competing, number, status_cell, value_cell
 from garmentbench.report.lines import SIMULATED, Line, Value, label, order
 from garmentbench.report.table import Cell, Table
+from garmentbench.scenes.material import Material
 from garmentbench.scenes.presets import Preset
 from garmentbench.scenes.scene import Scene
 from garmentbench.scenes.training_sets import expanded
@@ -244,8 +246,16 @@ def order_of_methods(line: Line) -> int:
 
 def sequence_job(source: Source, preset: Preset) -> Job:
     """Simulating a scene, or finding a file as it is."""
-    key, cost = ("sequence", source.name), 0.2 * getattr(source, "frames", 0)
+    key, cost = ("sequence", source.name), _seconds(source, preset) if isinstance(source, Scene) else 0.0
     return Job(key, f"simulate {source.name}", _simulate, arguments=(source, preset), cost=cost)
+
+
+def _seconds(scene: Scene, preset: Preset) -> float:
+    """Rough seconds that simulating a scene takes; of an ensemble's runs one has twice the substeps."""
+    frames, runs = preset.mesh.limited(scene.frames) + WARM_UP, runs_wanted(scene)
+    layers = 1 if scene.worn_over is None else 2
+    stiff = math.sqrt(scene.material.stretch / Material().stretch)  # so many times the substeps
+    return 0.05 * frames * (runs if runs == 1 else runs + 1) * layers * stiff
 
 
 def _jobs(trial: Trial, trials: list[Trial], preset: Preset) -> list[Job]:
