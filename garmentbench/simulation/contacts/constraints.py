@@ -25,6 +25,7 @@ BODY = wp.constant(1)  # a sample of the cloth and the body's plane
 PLANE = wp.constant(2)  # a particle over a face
 CORNER = wp.constant(3)  # a particle beside a face, and the nearest point of the face's edges
 EDGES = wp.constant(4)  # two edges
+TANGLE = wp.constant(5)  # an end of an edge and the face that it goes through; the gap is a speed [m/s]
 # Times the frequency of a particle's contact with the body: taut cloth presses hard on few particles, and gets through
 # itself in a twist, and skin through tight sleeves, at a third of this.
 HARDER = wp.constant(3.0)
@@ -41,7 +42,7 @@ class Constraints:
     weight: wp.array[wp.vec4]
     normal: wp.array[wp.vec3]
     side: wp.array[float]  # of the face or of the two edges, on which the first is; 0: not known
-    gap: wp.array[float]  # [m]
+    gap: wp.array[float]  # [m]; of a TANGLE a speed [m/s]
     point: wp.array[wp.vec3]  # of the plane, at the time of the query [m]; 0 between cloth and cloth
     velocity: wp.array[wp.vec3]  # ... its velocity [m/s]
     push: wp.array[float]  # change of velocity along the normal in this substep [m/s]
@@ -118,7 +119,7 @@ def apart(c: Cloth, k: Constraints, j: int, since: float) -> float:
 def meets(c: Cloth, k: Constraints, j: int, since: float) -> bool:
     """May contact j meet in this substep? Then it is where the cloth is now."""
     near = bool(True)
-    if k.kind[j] != BODY:
+    if k.kind[j] != BODY and k.kind[j] != TANGLE:
         near = apart(c, k, j, since) - k.gap[j] < FAR
         if near:
             near = follow(c, k, j)
@@ -136,6 +137,8 @@ def press(c: Cloth, k: Constraints, p: Physics, j: int, since: float) -> float:
         damp = q * q + 2.0 * p.contact_damping * q
         penetration = wp.min(k.gap[j] - apart(c, k, j, since), p.contact_depth)
         push = wp.max(0.0, (frequency * q * penetration - damp * speed) / (1.0 + damp))
+        if k.kind[j] == TANGLE:
+            push = wp.max(0.0, k.gap[j] - speed)
     k.push[j] = push
     return push
 

@@ -7,6 +7,7 @@ from garmentbench.simulation.assembly import Fabric
 from garmentbench.simulation.contacts.candidates import PLACES, Candidates, clear, owned, search, sweep, take_drift
 from garmentbench.simulation.contacts.listing import ContactList
 from garmentbench.simulation.contacts.sides import Narrow, meet, write_pairs
+from garmentbench.simulation.contacts.tangles import Untangling
 from garmentbench.simulation.kernels import Cloth, Physics
 
 
@@ -23,8 +24,8 @@ class SelfContact:
     def __init__(self, fabric: Fabric, cloth: Cloth, physics: Physics, device: str) -> None:
         self.cloth, self.physics, self.device = cloth, physics, device
         self.particles, self.faces = len(fabric.mass), len(fabric.faces)
-        self.owners = self.particles + len(fabric.edges)
-        places = self.owners * PLACES
+        self.pairs = self.particles + len(fabric.edges)
+        places = self.pairs * PLACES
         n, r = self.candidates, self.narrow = Candidates(), Narrow()
         particles, edges = owned(fabric.faces, fabric.edges)
         for target, name, values, kind in (
@@ -40,7 +41,7 @@ class SelfContact:
         for target, name, count, kind in (
             *((n, name, self.faces, wp.vec3) for name in ("lower", "upper")),
             (n, "drift", 1, wp.vec3),
-            *((n, name, self.owners, int) for name in ("number", "last_number")),
+            *((n, name, self.pairs, int) for name in ("number", "last_number")),
             *((n, name, places, int) for name in ("other", "last_other")),
             *((n, name, places, float) for name in ("gap", "room", "side", "last_side")),
             (r, "kind", places, int),
@@ -50,6 +51,8 @@ class SelfContact:
         r.old = wp.clone(cloth.x)
         self._launch(sweep, self.faces, [cloth, n, physics, 0.0])
         self._tree = wp.Bvh(n.lower, n.upper)
+        self.untangling = Untangling(fabric, cloth, n, self.pairs, device)
+        self.owners = self.pairs + self.untangling.owners
 
     def search(self, time: float) -> None:
         """Broad phase: what may touch in the next `time` seconds."""
@@ -57,17 +60,21 @@ class SelfContact:
         self._launch(take_drift, 1, [cloth, n])
         self._launch(sweep, self.faces, [cloth, n, self.physics, time])
         self._tree.refit()
-        self._launch(clear, self.owners, [n])
+        self._launch(clear, self.pairs, [n])
         self._launch(search, self.faces, [self._tree.id, cloth, n, self.physics, time])
+        self.untangling.search(self._tree)
 
     def find(self, contacts: ContactList, interval: float) -> None:
         """Narrow phase: how many contacts each owner has in the next `interval` seconds."""
-        self._launch(meet, self.owners, [self.candidates, self.narrow, self.cloth, contacts.found, interval])
+        caught = self.untangling.tangles.caught
+        self._launch(meet, self.pairs, [self.candidates, self.narrow, self.cloth, caught, contacts.found, interval])
+        self.untangling.find(contacts)
 
     def write(self, contacts: ContactList) -> None:
         """Put them into the list."""
         inputs = [self.candidates, self.narrow, self.cloth, contacts.first, contacts.constraints]
-        self._launch(write_pairs, self.owners, inputs)
+        self._launch(write_pairs, self.pairs, inputs)
+        self.untangling.write(contacts)
 
     def _launch(self, kernel: wp.Kernel, dim: int, inputs: list) -> None:
         wp.launch(kernel, dim=dim, inputs=inputs, device=self.device)

@@ -144,15 +144,32 @@ def over_neighbour(n: Candidates, r: Narrow, owner: int, slot: int) -> bool:
     return found
 
 
+@wp.func
+def is_caught(n: Candidates, caught: wp.array[int], o: int, slot: int) -> bool:
+    """Are an owner and its place in a tangle? Then the side is not known, and contact lets go."""
+    particles = caught.shape[0]
+    other = n.other[slot]
+    if o < particles:
+        f = n.faces[other]
+        found = caught[o] * (caught[f[0]] + caught[f[1]] + caught[f[2]])
+    else:
+        a = n.edges[o - particles]
+        b = n.edges[other]
+        found = (caught[a[0]] + caught[a[1]]) * (caught[b[0]] + caught[b[1]])
+    return found > 0
+
+
 @wp.kernel(enable_backward=False)
-def meet(n: Candidates, r: Narrow, c: Cloth, found: wp.array[int], interval: float):
+def meet(n: Candidates, r: Narrow, c: Cloth, caught: wp.array[int], found: wp.array[int], interval: float):
     """Which places of each owner touch before `interval` seconds are over: dim = P + E."""
     o = wp.tid()
     particles = c.x.shape[0]
     for k in range(n.number[o]):
         slot = o * PLACES + k
         r.kind[slot] = 0
-        if o < particles:
+        if is_caught(n, caught, o, slot):
+            n.side[slot] = 0.0
+        elif o < particles:
             meet_face(n, r, c, o, slot, interval)
         else:
             meet_edge(n, r, c, o - particles, slot, interval)
