@@ -2,15 +2,15 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from garmentbench.evaluation.results import Row
 from garmentbench.reference import SequenceFile, Source
 from garmentbench.report.card import read_card
 from garmentbench.scenes.presets import Preset
-from garmentbench.storage.jobs import Failure, Job
-from garmentbench.storage.runs import RunStore
+from garmentbench.storage.jobs import Failure, Job, run_here
+from garmentbench.storage.runs import UnfinishedError, only_finished
 
 if TYPE_CHECKING:
     from garmentbench.report.lines import Results
@@ -24,12 +24,15 @@ class Work:
     Attributes:
         jobs: By key; experiments may share jobs. The key of a reference sequence is ("sequence", scene).
         rows: Its rows of results.csv, of the results of all jobs.
-        runs: The ids of the runs that its jobs make, where these are known before.
     """
 
     jobs: dict[tuple, Job]
     rows: Callable[[dict[tuple, Any]], list[Row]]
-    runs: dict[tuple, str] = field(default_factory=dict)
+
+    @property
+    def sources(self) -> list[Source]:
+        """Whose reference sequences it has."""
+        return [job.arguments[0] for key, job in self.jobs.items() if key[0] == "sequence"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,7 +43,7 @@ class Experiment(ABC):
         name: What the user types.
         table: Its name in results.csv; several experiments may share lines and a part of the report.
         title: Of its part of the report.
-        on_request: It runs only when it is named; what it made stays in the report while its runs are finished.
+        on_request: It runs only when it is named; what it made stays in the report while data and code are the same.
         seeds: Trainings of each method that has chance in it, where the user doesn't say.
     """
 
@@ -75,15 +78,17 @@ class Companion(Experiment):
         """Its jobs and rows for these sequences, for each of which there is a job ("sequence", its name)."""
 
 
-def finished_rows(experiment: Experiment, preset: Preset) -> list[Row]:
-    """The rows of an experiment all of whose runs are finished, by this code; none otherwise, or where its runs aren't
-    known before they are made."""
-    work, store = experiment.work(preset, 1), RunStore()
-    if not work.runs or not all(
-        (store.root / i / "run.json").is_file() and store.get(i).finished for i in work.runs.values()
-    ):
+def finished_rows(experiment: Experiment, preset: Preset, seeds: int = 1, *beside: Companion) -> list[Row]:
+    """The rows of an experiment that was run before, of the same data and by the same code, and those that companions
+    have of its sequences; none where a job has anything to do."""
+    work = experiment.work(preset, seeds)
+    try:
+        with only_finished():
+            results = run_here(work.jobs)
+    except UnfinishedError:
         return []
-    return work.rows(dict(work.runs))
+    works = [work, *(companion.beside(work.sources, preset) for companion in beside)]
+    return [row for each in works for row in each.rows(results)]
 
 
 def about(table: str, preset: Preset, source: Source, method: str, **columns: Any) -> Row:

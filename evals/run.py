@@ -9,7 +9,7 @@ from pathlib import Path
 from garmentbench import paths
 from garmentbench.device import require_device
 from garmentbench.errors import UserError, unknown_name
-from garmentbench.evals import COMPANIONS, EXPERIMENTS
+from garmentbench.evals import CARDS, COMPANIONS, EXPERIMENTS
 from garmentbench.evals.experiment import Experiment, finished_rows
 from garmentbench.evals.own import read_experiments
 from garmentbench.evaluation.results import COLUMNS, Row, warnings
@@ -28,7 +28,8 @@ LINE = ("experiment", "scene", "method", "variant", "train_scenes", "seed")  # w
 def run(names: list[str], preset: Preset, seeds: int | None = None, data_only: bool = False) -> None:
     """Compute experiments of the suite (all but those on request, if none is named) and write `reports/<preset>/`.
 
-    Without names an experiment on request keeps its place in the report if it is finished, by this code.
+    Without names an experiment on request that was run before keeps its place in the report as long as it would be run
+    on the same data and by the same code; where it loses its place, that is said.
 
     Args:
         names: Of the experiments.
@@ -48,9 +49,23 @@ def run(names: list[str], preset: Preset, seeds: int | None = None, data_only: b
     def all_rows(rows: list[Row]) -> list[Row]:
         if names:
             return merged(path, rows, [e.table for e in chosen if e.on_request])
-        return rows + [row for e in EXPERIMENTS.values() if e not in chosen for row in finished_rows(e, preset)]
+        return rows + [row for e in EXPERIMENTS.values() if e not in chosen for row in kept_rows(e, preset, path)]
 
     _compute(chosen, preset, seeds, data_only, path, all_rows)
+
+
+def kept_rows(experiment: Experiment, preset: Preset, path: Path) -> list[Row]:
+    """The rows of an experiment that was run before, which nobody asked for now: those that still hold. It says so
+    where the results.csv at `path` has some, and none of them does."""
+    table = read_results(path) if path.is_file() else None
+    seeds = [] if table is None else table.seed[table.experiment == experiment.table].tolist()
+    rows = finished_rows(experiment, preset, 1 + int(max(seeds, default=0)), CARDS)
+    if seeds and not rows:
+        print(
+            f"warning: {experiment.name}: its part of the report is dropped, which was made by other code or of other "
+            f"data; `garmentbench evals {experiment.name} --preset {preset.name}` makes it again"
+        )
+    return rows
 
 
 def run_file(file: Path, preset: Preset, seeds: int | None = None, data_only: bool = False) -> None:
@@ -78,8 +93,8 @@ def _compute(
     for experiment in chosen:
         experiment.require()
     works = [experiment.work(preset, seeds or experiment.seeds) for experiment in chosen]
-    sequences = {key: job for work in works for key, job in work.jobs.items() if key[0] == "sequence"}
-    works += [companion.beside([job.arguments[0] for job in sequences.values()], preset) for companion in COMPANIONS]
+    sources = {source.name: source for work in works for source in work.sources}
+    works += [companion.beside(sources.values(), preset) for companion in COMPANIONS]
     jobs = {key: job for work in works for key, job in work.jobs.items() if key[0] == "sequence" or not data_only}
     os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
     results = run_jobs(jobs, core_count())

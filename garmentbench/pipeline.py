@@ -307,8 +307,7 @@ def evaluate_another_run(source: Source, preset: Preset, store: RunStore) -> Run
     from garmentbench.evaluation.rollout import DIVERGED, OK
 
     reference = make_reference(source, preset)
-    sequence = sequence_file.load(reference.path)
-    if sequence.runs is None:
+    if sequence_file.load(reference.path, frames=1).runs is None:
         return None
     identity = {
         "method": ANOTHER_RUN,
@@ -321,6 +320,7 @@ def evaluate_another_run(source: Source, preset: Preset, store: RunStore) -> Run
     with store.open(ANOTHER_RUN, identity) as run:
         if not run.finished:
             quiet_warp()
+            sequence = sequence_file.load(reference.path)
             write_excerpt(run.folder, sequence, another_roll_out(sequence))
             bad = broken_at(sequence)
             message = "" if bad is None else f"a further run of the reference is not finite from frame {bad} on"

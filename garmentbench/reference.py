@@ -18,6 +18,7 @@ from garmentbench.sequence import Needs, Sequence, Template
 from garmentbench.sequence_file.layout import KIND, REMAKE, SCHEMA
 from garmentbench.storage import hdf5, lock
 from garmentbench.storage.fingerprint import content_hash, fingerprint
+from garmentbench.storage.runs import require_work_allowed
 
 _CODE = (
     "garmentbench.simulation.simulate",
@@ -124,6 +125,7 @@ def make_reference(source: Source, preset: Preset, runs: int | None = None) -> R
         runs = runs_wanted(source) if runs is None else runs
         reused = _is_made_from(path, identity, runs)
         if not reused:
+            require_work_allowed(source.name)
             sequence = _simulated(source, preset, runs)
             sequence_file.save(replace(sequence, info={**sequence.info, IDENTITY: identity}), path)
     return Reference(source.name, path, identity, reused)

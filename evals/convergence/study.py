@@ -34,7 +34,7 @@ from garmentbench.scenes.scene import Scene
 from garmentbench.scenes.wardrobe import load_scene
 from garmentbench.storage.atomic import written_whole
 from garmentbench.storage.jobs import Job
-from garmentbench.storage.runs import RunStore, run_id
+from garmentbench.storage.runs import RunStore
 
 if TYPE_CHECKING:
     from garmentbench.report.lines import Results
@@ -177,12 +177,11 @@ class Convergence(Experiment):
             key: Job(key, f"{scene.name}, {v.name}", simulate_variant, (), (scene, preset, v), _cost(v))
             for key, (scene, v) in wanted.items()
         }
-        runs = {key: run_id(CONVERGENCE, _identity(scene, preset, v)) for key, (scene, v) in wanted.items()}
 
         def rows(results: dict) -> list[Row]:
             return [row for scene, v in wanted.values() for row in _variant_rows(scene, v, preset, results)]
 
-        return Work(jobs, rows, runs)
+        return Work(jobs, rows)
 
     def sections(self, results: "Results") -> "list[Section]":
         from garmentbench.evals.convergence.plot import convergence_plot

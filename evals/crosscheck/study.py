@@ -32,7 +32,7 @@ from garmentbench.sequence import Sequence
 from garmentbench.storage.atomic import written_whole
 from garmentbench.storage.fingerprint import fingerprint
 from garmentbench.storage.jobs import Failure, Job
-from garmentbench.storage.runs import Run, RunStore, run_id
+from garmentbench.storage.runs import Run, RunStore
 
 if TYPE_CHECKING:
     from garmentbench.report.lines import Results
@@ -182,18 +182,17 @@ class CrossCheck(Experiment):
         require_newton()
 
     def work(self, preset: Preset, seeds: int) -> Work:
-        jobs, runs, scenes = {}, {}, [load_scene(name) for name in SCENES]
+        jobs, scenes = {}, [load_scene(name) for name in SCENES]
         comparisons = [(scene, v) for scene in scenes for v in VARIANTS if scene.name in v.scenes]
         for scene, v in comparisons:
             key, name, plain = _key(scene, v), f"cross-check {scene.name}, {v.name}", _key(scene, VARIANTS[0])
             after = (plain,) if key != plain and v.substeps == 1 else ()  # it shares the other engine's run with that
             jobs[key] = Job(key, name, compare, (), (scene, preset, v), 60.0 * v.substeps, after)
-            runs[key] = run_id(CROSSCHECK, _identity(scene, preset, v))
 
         def rows(results: dict) -> list[Row]:
             return [row for scene, v in comparisons for row in _variant_rows(scene, v, preset, results)]
 
-        return Work(jobs, rows, runs)
+        return Work(jobs, rows)
 
     def sections(self, results: "Results") -> "list[Section]":
         from garmentbench.report.page import Picture, Section

@@ -14,7 +14,7 @@ from garmentbench.scenes.presets import Preset
 from garmentbench.storage.atomic import written_whole
 from garmentbench.storage.fingerprint import fingerprint
 from garmentbench.storage.jobs import Failure, Job
-from garmentbench.storage.runs import RunStore, run_id
+from garmentbench.storage.runs import RunStore
 
 if TYPE_CHECKING:
     from garmentbench.report.lines import Results
@@ -51,7 +51,7 @@ class FabricTests(Experiment):
         def rows(results: dict[tuple, Any]) -> list[Row]:
             return [row for name in fabrics() for row in _rows(name, preset, results[FABRICS, name])]
 
-        return Work(jobs, rows, {(FABRICS, name): run_id(FABRICS, _identity(name)) for name in fabrics()})
+        return Work(jobs, rows)
 
     def sections(self, results: "Results") -> "list[Section]":
         from garmentbench.evals.fabrics.plot import drapes_plot

@@ -17,7 +17,7 @@ from garmentbench.scenes.presets import Preset
 from garmentbench.storage.atomic import written_whole
 from garmentbench.storage.fingerprint import fingerprint
 from garmentbench.storage.jobs import Failure, Job
-from garmentbench.storage.runs import RunStore, run_id
+from garmentbench.storage.runs import RunStore
 
 if TYPE_CHECKING:
     from garmentbench.report.lines import Results
@@ -66,7 +66,7 @@ class MotionMap(Experiment):
 
     def work(self, preset: Preset, seeds: int) -> Work:
         job = Job(KEY, "distribution of motions", distribute, arguments=(preset,), cost=20.0)
-        return Work({KEY: job}, lambda results: _rows(preset, results[KEY]), {KEY: run_id(MOTIONS, _identity(preset))})
+        return Work({KEY: job}, lambda results: _rows(preset, results[KEY]))
 
     def sections(self, results: "Results") -> "list[Section]":
         from garmentbench.evals.motions.plot import motions_plot

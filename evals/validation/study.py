@@ -11,7 +11,7 @@ from garmentbench.report.lines import REFERENCE
 from garmentbench.scenes.presets import Preset
 from garmentbench.storage.fingerprint import fingerprint
 from garmentbench.storage.jobs import Failure, Job
-from garmentbench.storage.runs import RunStore, run_id
+from garmentbench.storage.runs import RunStore
 
 if TYPE_CHECKING:
     from garmentbench.report.lines import Results
@@ -59,7 +59,7 @@ class Validation(Experiment):
         def rows(results: dict[tuple, Any]) -> list[Row]:
             return [row for name in CASES for row in _rows(name, preset, results[KIND, name])]
 
-        return Work(jobs, rows, {(KIND, name): run_id(KIND, _identity(name)) for name in CASES})
+        return Work(jobs, rows)
 
     def sections(self, results: "Results") -> "list[Section]":
         from garmentbench.report.page import Section

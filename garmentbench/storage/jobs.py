@@ -15,6 +15,8 @@ from pebble import ProcessExpired, ProcessPool
 from garmentbench import progress
 from garmentbench.errors import FOREIGN, UserError
 
+_SKIPPED = "not run: what it needs has failed"
+
 
 @dataclass(frozen=True)
 class Job:
@@ -78,7 +80,7 @@ def run_jobs(jobs: dict[tuple, Job], workers: int) -> dict[tuple, Any]:
                     job = jobs[key]
                     inputs = [results[need] for need in job.needs]
                     if any(isinstance(value, Failure) for value in inputs):
-                        results[key] = Failure(job.label, "not run: what it needs has failed", True)
+                        results[key] = Failure(job.label, _SKIPPED, True)
                         board.ended(job.label, results[key])
                         sorter.done(key)
                     elif len(running) < workers:
@@ -99,6 +101,21 @@ def run_jobs(jobs: dict[tuple, Job], workers: int) -> dict[tuple, Any]:
     finally:
         pool.stop()  # kills what still runs
         pool.join()
+    return results
+
+
+def run_here(jobs: dict[tuple, Job]) -> dict[tuple, Any]:
+    """All jobs in this process, one after the other, with results as `run_jobs` gives them; but only a `UserError`
+    becomes a `Failure`, and anything else passes on."""
+    results: dict[tuple, Any] = {}
+    for key in TopologicalSorter(_waits_for(jobs)).static_order():
+        job, inputs = jobs[key], [results[need] for need in jobs[key].needs]
+        try:
+            failed = any(isinstance(value, Failure) for value in inputs)
+            result = Failure(job.label, _SKIPPED, True) if failed else job.call(*inputs, *job.arguments)
+        except UserError as e:
+            result = Failure(job.label, str(e))
+        results[key] = result.value if isinstance(result, Reused) else result
     return results
 
 

@@ -7,8 +7,9 @@ a run without a good one is not finished. Many processes may share the store: a 
 import difflib
 import json
 import time
-from collections.abc import Callable
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from contextvars import ContextVar
 from datetime import UTC, datetime
 from io import TextIOWrapper
 from pathlib import Path
@@ -24,6 +25,7 @@ from garmentbench.storage.lock import held, take
 from garmentbench.storage.machine import code_version, forget_peak_memory, machine, packages, peak_memory_mb
 
 FAILURE = "failure.txt"  # in a run's folder: why the work raised
+_looking: ContextVar[bool] = ContextVar("garmentbench_looking", default=False)
 BEAT_SECONDS = 2.0  # times.json is this fresh when a process is killed
 
 
@@ -183,6 +185,27 @@ class Run:
             write_text(self.folder / "times.json", json.dumps(self.times))
 
 
+class UnfinishedError(Exception):
+    """What was only looked for is not there, or not finished."""
+
+
+@contextmanager
+def only_finished() -> Iterator[None]:
+    """Within, nothing is worked on: what would be raises `UnfinishedError`, and a run whose work raised before raises a
+    `UserError` that says so again."""
+    token = _looking.set(True)
+    try:
+        yield
+    finally:
+        _looking.reset(token)
+
+
+def require_work_allowed(what: str) -> None:
+    """Raises `UnfinishedError` within `only_finished`. what: that is about to be made."""
+    if _looking.get():
+        raise UnfinishedError(what)
+
+
 class RunStore:
     """All runs below a folder (`paths.runs()`, if none is given)."""
 
@@ -201,6 +224,8 @@ class RunStore:
         """Like `open`, but without resetting the peak-memory counter (for stages)."""
         identity = json.loads(json.dumps(identity, default=plain))
         folder = self.root / run_id(kind, identity)
+        if _looking.get():
+            return self._finished(kind, identity)
         lock = take(folder / "lock")
         run = Run(self, kind, identity, lock)
         if run.finished:
@@ -209,6 +234,16 @@ class RunStore:
             lock.lock.release()
         else:
             run._begin()  # noqa: SLF001
+        return run
+
+    def _finished(self, kind: str, identity: dict) -> Run:
+        """The run, as it is. Raises `UnfinishedError` where it isn't finished, `UserError` where it failed."""
+        run = Run(self, kind, identity)
+        if not run.finished and run.failure is not None:
+            raise UserError(run.failure)
+        if not run.finished:
+            raise UnfinishedError(run.id)
+        run.reused = True
         return run
 
     def get(self, name: str) -> Run:

@@ -61,7 +61,7 @@ def test_it_trains_on_the_varied_set_and_tests_on_nothing_of_it():
 
 
 def test_beside_other_experiments_it_is_not_taken_for_finished(home):
-    """Its runs aren't known before they are made: `make evals`, which makes none of them, has no rows of it."""
+    """`make evals`, which makes none of its runs, has no rows of it where none is there."""
     assert STUDY.on_request and finished_rows(STUDY, preset("smoke")) == []
 
 

@@ -18,7 +18,7 @@ from garmentbench.cli import main
 from garmentbench.errors import UsageError, UserError
 from garmentbench.storage.compare import compare, list_rows
 from garmentbench.storage.lock import take
-from garmentbench.storage.runs import RunStore, run_id
+from garmentbench.storage.runs import RunStore, UnfinishedError, only_finished, run_id
 
 IDENTITY = {"config": {"width": 8, "rate": 1e-3}, "data": "abc", "code": "def", "seed": 3}
 
@@ -142,6 +142,22 @@ def test_a_reused_run_says_so(tmp_path):
     with store.open("train", IDENTITY) as run:
         run.finish({})
     assert not run.reused and store.open("train", IDENTITY).reused
+
+
+def test_what_is_only_looked_for_is_not_begun(tmp_path):
+    store = RunStore(tmp_path)
+    store.open("train", IDENTITY).finish({"a": 1})
+    with store.open("train", {"seed": 8}) as failed:
+        failed.fail("hold: fit raised ValueError")
+    before = sorted(tmp_path.rglob("*"))
+    with only_finished():
+        assert store.open("train", IDENTITY).results == {"a": 1}
+        with pytest.raises(UnfinishedError):
+            store.open("train", {"seed": 9})
+        with pytest.raises(UserError, match="hold: fit raised ValueError"):
+            store.open("train", {"seed": 8})
+    assert sorted(tmp_path.rglob("*")) == before
+    assert not store.open("train", {"seed": 9}).finished
 
 
 def test_opening_a_run_twice_in_one_process_is_an_error_and_no_deadlock(tmp_path):
