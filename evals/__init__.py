@@ -15,7 +15,7 @@ from garmentbench.evals.fabrics.study import STUDY as FABRICS
 from garmentbench.evals.left_out import LEAVING_OUT
 from garmentbench.evals.motions.study import STUDY as MOTIONS
 from garmentbench.evals.stability import STABILITY
-from garmentbench.evals.stick import STICK
+from garmentbench.evals.stick import STICK, STICK_SWING
 from garmentbench.evals.validation.study import STUDY as VALIDATION
 from garmentbench.evals.wardrobe import WARDROBE
 
@@ -25,6 +25,7 @@ EXPERIMENTS: dict[str, Experiment] = {
         BASELINES,
         DIFFICULTY,
         STICK,
+        STICK_SWING,
         *ABLATIONS,
         *WARDROBE,
         TRAINING_LENGTHS,

@@ -1,4 +1,8 @@
-"""The paper's sheet of cloth wrapped round a moving stick (figures 9 and 10): no human body, another motion in test."""
+"""The paper's sheet of cloth on a moving stick (figures 9 and 10): no human body, another motion in test.
+
+In one scene the sheet is held by a row of points and the stick rolls; in the other the sheet is laid over the stick,
+which moves and turns about the vertical, and nothing but weight and friction holds it.
+"""
 
 from garmentbench.evals.comparison import FULL, SIMPLE, Comparison, Entry
 
@@ -9,4 +13,12 @@ STICK = Comparison(
     train=("sheet-stick-a",),
     tests=("sheet-stick-b",),
     entries=(*SIMPLE, FULL, *(Entry("motion_guided", v) for v in ("no_virtual_sample", "linear_paths"))),
+)
+STICK_SWING = Comparison(
+    name="stick-swing",
+    table=STICK.table,
+    title=STICK.title,
+    train=("laid_sheet-stick-swing-a",),
+    tests=("laid_sheet-stick-swing-b",),
+    entries=(*SIMPLE, FULL),
 )

@@ -42,6 +42,16 @@ class Demand:
     spread: float
 
     @property
+    def ratios(self) -> tuple[float, float, float]:
+        """What the rule is about: static over dynamic, dynamic over floor, spread over dynamic; NaN where that isn't
+        known."""
+        return (
+            _ratio(self.static, self.dynamic),
+            _ratio(self.dynamic, self.floor),
+            _ratio(self.spread, self.dynamic),
+        )
+
+    @property
     def margins(self) -> dict[str, float]:
         """By what fails where it is below 1: how far each condition is met; NaN where that isn't known."""
         return {

@@ -14,7 +14,7 @@ METHODS = ("skinning", STATIC, *DYNAMIC)
 
 def difficulty_table(lines: list[Line], title: str) -> Table:
     """A row a scene: what was measured of it, how simple methods do, and what it is good for."""
-    scenes = {scene: {line.method: line for line in lines if line.scene == scene} for scene in _scenes(lines)}
+    scenes = _by_scene(lines)
     demands = {scene: demand(scene, found) for scene, found in scenes.items()}
     chosen, qualify = headline(list(demands.values()))
     rows = []
@@ -24,17 +24,23 @@ def difficulty_table(lines: list[Line], title: str) -> Table:
         rows.append([
             Cell(scene, bold=scene in chosen), Cell(asked.novelty), Cell(str(asked.frames)),
             _cell(of(found, REFERENCE, "variation")), _cell(asked.spread), *errors, _cell(asked.floor),
-            _cell(asked.static / asked.dynamic if asked.dynamic else math.nan), Cell(verdict(asked, chosen)),
+            *map(_cell, asked.ratios), Cell(verdict(asked, chosen)),
         ])  # fmt: skip
     return Table(
         "difficulty",
         title,
-        _caption(len(chosen), qualify),
+        _caption(chosen, qualify),
         ["scene", "what is new", "frames", "variation [cm]", "spread [cm]",
-         *(f"{m.replace('_', ' ')} [cm]" for m in METHODS), "PCA floor [cm]", "static / dynamic", "good for"],
+         *(f"{m.replace('_', ' ')} [cm]" for m in METHODS), "PCA floor [cm]", "static / dynamic", "dynamic / floor",
+         "spread / dynamic", "good for"],
         rows,
-        frozenset({0, 1, 11}),
+        frozenset({0, 1, 13}),
     )  # fmt: skip
+
+
+def headline_scenes(lines: list[Line]) -> list[str]:
+    """The headline scenes, best first, of the lines that results.csv has of the experiment."""
+    return headline([demand(scene, found) for scene, found in _by_scene(lines).items()])[0]
 
 
 def demand(scene: str, found: dict[str, Line]) -> Demand:
@@ -60,24 +66,26 @@ def of(found: dict[str, Line], method: str, metric: str) -> float:
     return math.nan if value is None or value.endings else value.mean
 
 
-def _scenes(lines: list[Line]) -> list[str]:
-    return list(dict.fromkeys(line.scene for line in lines))
+def _by_scene(lines: list[Line]) -> dict[str, dict[str, Line]]:
+    """Each scene's lines, by method."""
+    names = dict.fromkeys(line.scene for line in lines)
+    return {scene: {line.method: line for line in lines if line.scene == scene} for scene in names}
 
 
 def _cell(value: float) -> Cell:
     return Cell(ABSENT if math.isnan(value) else number(value))
 
 
-def _caption(chosen: int, qualify: int) -> str:
+def _caption(chosen: list[str], qualify: int) -> str:
     rule = (
         f"A scene of new phrases with {FRAMES} frames or more is a headline (bold) if the static ridge (half a second "
         f"of poses, no garment state) errs at least {PAYS:g} times the best baseline that has one, that at least "
         f"{LEFT:g} times the floor of the codes, and the spread is at most {FORETOLD:g} of it"
     )
     if qualify >= COUNT:
-        met = f"{qualify} scenes meet that"
+        met = f"{qualify} scenes meet that: {', '.join(chosen)}"
     elif chosen:
-        met = f"{qualify} meet that, fewer than {COUNT}: the headline is the {chosen} that come nearest"
+        met = f"{qualify} meet that, fewer than {COUNT}: the headline is what comes nearest, {', '.join(chosen)}"
     else:
         met = "no scene here is long enough"
     return (
