@@ -7,7 +7,7 @@ import scipy.sparse as sp
 from jaxtyping import Float, Int
 from scipy.sparse.csgraph import dijkstra
 
-from garmentbench.geometry.mesh import edge_lengths, normalised, unique_edges
+from garmentbench.geometry.mesh import cross, edge_lengths, normalised, unique_edges
 from garmentbench.geometry.nearest import nearest_vertices
 from garmentbench.sequence import OBJECT, Template
 
@@ -89,7 +89,8 @@ def seed_points(
     ring = np.tile(vertices[:, None, None], (1, max(len(r) for r in rounds), 3))
     for i, r in enumerate(rounds):
         ring[i, : len(r)] = r
-    along = np.einsum("nkcx,nx->nkc", _spokes(rest, ring), np.eye(3)[np.argmin(np.abs(_normals(rest, ring)), axis=1)])
+    spokes = _spokes(rest, ring)
+    along = np.einsum("nkcx,nx->nkc", spokes, np.eye(3)[np.argmin(np.abs(_normals(spokes)), axis=1)])
     return SeedPoints(vertices, labels, rest[vertices], _frames(rest, ring, along), ring, along)
 
 
@@ -119,15 +120,20 @@ def _spokes(body: np.ndarray, ring: np.ndarray) -> np.ndarray:
     return body[..., ring[..., 1:], :] - body[..., ring[..., :1], :]
 
 
-def _normals(body: np.ndarray, ring: np.ndarray) -> np.ndarray:
+def _normals(spokes: np.ndarray) -> np.ndarray:
     """Unit normals of the seeds, the average of the unit normals of the faces round them, shape (..., N, 3)."""
-    spokes = _spokes(body, ring)
-    return normalised(normalised(np.cross(spokes[..., 0, :], spokes[..., 1, :])).sum(axis=-2))
+    return normalised(normalised(_cross(spokes[..., 0, :], spokes[..., 1, :])).sum(axis=-2))
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Cross products along the last axis."""
+    return np.moveaxis(cross(np.moveaxis(a, -1, 0), np.moveaxis(b, -1, 0)), 0, -1)
 
 
 def _frames(body: np.ndarray, ring: np.ndarray, along: np.ndarray) -> np.ndarray:
     """Orthonormal frames of the seeds, shape (..., N, 3, 3), columns tangent, bitangent and normal."""
-    normals = _normals(body, ring)
-    tangent = np.einsum("...nkcx,nkc->...nx", _spokes(body, ring), along)
+    spokes = _spokes(body, ring)
+    normals = _normals(spokes)
+    tangent = np.einsum("...nkcx,nkc->...nx", spokes, along)
     tangent = normalised(tangent - np.sum(tangent * normals, axis=-1, keepdims=True) * normals)
-    return np.stack([tangent, np.cross(normals, tangent), normals], axis=-1)
+    return np.stack([tangent, _cross(normals, tangent), normals], axis=-1)

@@ -29,7 +29,7 @@ class VertexToMap(nn.Module):
         self.register_buffer("covered", torch.from_numpy(table.pixels), persistent=False)
         mask = np.zeros(size * size, np.float32)
         mask[table.pixels] = 1
-        self.size = size
+        self.size, self.sparse = size, matrix
         self.matrix = SparseMatrix(matrix)
         self.register_buffer("mask", torch.from_numpy(mask.reshape(size, size)), persistent=False)
 

@@ -72,7 +72,8 @@ class BodyFrames:
 
     def world(self, points: Tensor) -> np.ndarray:
         """The frames' points [m], shape (T, V, 3), in the world, float32."""
-        return (points.cpu().numpy() @ np.swapaxes(self.axes, -1, -2) + self.origin).astype(np.float32)
+        turned = points.cpu().numpy().astype(np.float64) @ np.swapaxes(self.axes, -1, -2)
+        return (turned + self.origin).astype(np.float32)
 
 
 @dataclass(frozen=True)

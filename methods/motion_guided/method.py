@@ -13,9 +13,9 @@ from garmentbench.methods.motion_guided.canonical import Canonical
 from garmentbench.methods.motion_guided.collision import CollisionStage, Residual
 from garmentbench.methods.motion_guided.config import VARIANTS, Config, config_for, config_from, for_scene
 from garmentbench.methods.motion_guided.dynamics import DynamicEncoder
-from garmentbench.methods.motion_guided.frames import BodyFrames, body_frames, link
+from garmentbench.methods.motion_guided.frames import BodyFrames, body_frames
 from garmentbench.methods.motion_guided.generative import GenerativeModel
-from garmentbench.methods.motion_guided.inputs import Inputs, dynamic_inputs, past_of
+from garmentbench.methods.motion_guided.runtime import Runtime
 from garmentbench.methods.motion_guided.seams import Seams
 from garmentbench.methods.motion_guided.stages import train_stages
 from garmentbench.methods.training import load, save
@@ -58,6 +58,8 @@ class MotionGuided:
         self.canonical, self.config = canonical, config
         self.generative, self.dynamics = generative, dynamics
         self.device = generative.rest.device
+        with torch.no_grad():
+            self.runtime = Runtime(generative, dynamics, config.stage2)
         self.seams = Seams(len(canonical.rest), canonical.seams).to(self.device)
 
     @classmethod
@@ -99,8 +101,8 @@ class MotionGuided:
         self.canonical.check_fits(template)
         collision = residual = None
         if template.needs.collision_stage and self.config.collision.enabled:
-            collision = CollisionStage(self.canonical, template.required_body, self.config.collision, self.device)
-            residual = Residual.none(self.config.collision.map_size, self.device)
+            collision = CollisionStage(self.canonical, template.required_body, self.config.collision)
+            residual = Residual.none(self.config.collision.map_size)
         return State(history.garments, self._body(_there(history.bodies)[-1]), None, collision, residual)
 
     @torch.no_grad()
@@ -109,19 +111,19 @@ class MotionGuided:
         torch.set_flush_denormal(True)
         with span("prepare"):
             now = self._body(_there(body.vertices))
-            inputs = self._inputs(state, now)
         with span("predict"):
-            code = self.dynamics(inputs)
-            displaced = self.generative.displaced(code)
-            posed = self.generative.pose(displaced, now.pose)[0]
+            code = self.runtime.code(state.garments, state.body, now)
+            posed, rotations = self.runtime.garment(code, now.pose)
             garment, closed = self._world(now, posed)
         before, residual = (None if state.collision is None else closed), state.residual
         if state.collision is not None and residual is not None and np.isfinite(garment).all():
             with span("collide"):
-                directions = self.generative.directions(displaced, now.pose)
                 obstacle = now.local(_there(body.vertices)[None])[0].cpu().numpy()
-                posed, residual = state.collision.resolve(posed, directions[0], obstacle, residual)
-                garment, closed = self._world(now, posed)
+                pushed, residual = state.collision.resolve(
+                    posed.cpu().numpy(), lambda: self.runtime.directions(rotations).cpu().numpy(), obstacle, residual
+                )
+                if residual is not state.residual:
+                    garment, closed = self._world(now, torch.from_numpy(pushed).to(posed))
         garments = np.concatenate([state.garments[1:], garment[None]])
         return closed, State(garments, now, before, state.collision, residual)
 
@@ -129,12 +131,6 @@ class MotionGuided:
         """A garment, shape (V, 3), in the world, as it goes on from and with its seams closed as it is given out."""
         garment, closed = now.world(torch.stack([posed, self.seams(posed)]))
         return garment, closed
-
-    def _inputs(self, state: State, now: BodyFrames) -> Inputs:
-        on = link(state.body, now)
-        third, second, last = (state.body.local(garment[None]) for garment in state.garments)
-        past = past_of(third, second, last, on)
-        return dynamic_inputs(self.generative, past, state.body.pose, now.pose, on, self.config.stage2)
 
     def _body(self, vertices: np.ndarray) -> BodyFrames:
         options, canonical = self.config.model, self.canonical
