@@ -19,6 +19,7 @@ from garmentbench.importing.meshes.pairing import moves_alike, paired
 from garmentbench.importing.meshes.placing import outward, placed_frames, placed_rest
 from garmentbench.importing.meshes.reading import HDF5, Place, read_both
 from garmentbench.importing.meshes.uv_map import seam_pairs, vertex_uv
+from garmentbench.importing.text import counted
 from garmentbench.importing.wearing import worn
 from garmentbench.reference import IDENTITY
 from garmentbench.sequence import GARMENT, HUMAN, Body, Garment, Sequence, Template
@@ -128,7 +129,10 @@ def import_meshes(garment: MeshSequence, body: MeshSequence | None, wanted: Want
     seams = seam_pairs(mesh.origin, mesh.faces, rest, frames)
     pins = np.flatnonzero(np.isin(mesh.origin, garment.pins)).astype(np.int32)
     cloth = Garment(wanted.garment or garment.name, rest, mesh.faces, mesh.uv, seams, pins)
-    notes += [f"seams: {len(seams)} pairs of vertices are the same point of cloth", *([turned] if turned else [])]
+    notes += [
+        f"seams: {counted(len(seams), 'pair')} of vertices at the same point of cloth",
+        *([turned] if turned else []),
+    ]
     template, moving = None, None
     if body is not None:
         template, moving, lines, flipped = _body(body, found, wanted, count)

@@ -1,4 +1,4 @@
-"""Text in any of the encodings that programs write: UTF-8, and UTF-16, with and without byte order mark."""
+"""Text: as programs write it, in UTF-8 or UTF-16, with and without byte order mark; and counts as people say them."""
 
 
 def decoded(data: bytes) -> str:
@@ -25,3 +25,11 @@ def _encoding(data: bytes) -> str:
     if len(data) > 3 and data[1] and data[3] and not data[0] and not data[2]:
         return "utf-16-be"
     return "utf-8-sig"
+
+
+def counted(count: int, one: str, many: str = "") -> str:
+    """
+    >>> counted(1, "edge"), counted(1200, "edge")
+    ('1 edge', '1200 edges')
+    """
+    return f"{count} {one if count == 1 else many or one + 's'}"

@@ -8,9 +8,10 @@ import scipy.sparse as sp
 from garmentbench.errors import Problem
 from garmentbench.geometry.mesh import vertex_normals
 from garmentbench.geometry.nearest import nearest_vertices
-from garmentbench.importing.mesh_doctor.finding import Finding, counted
+from garmentbench.importing.mesh_doctor.finding import Finding
 from garmentbench.importing.mesh_doctor.mesh import Mesh
 from garmentbench.importing.mesh_doctor.topology import sides
+from garmentbench.importing.text import counted
 from garmentbench.scenes.bodies import body_names, load_body
 from garmentbench.sequence import Body
 from garmentbench.sequence_file.array_checks import INSIDE_PERCENT

@@ -6,9 +6,10 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from garmentbench.errors import Problem
-from garmentbench.importing.mesh_doctor.finding import Finding, counted, listed
+from garmentbench.importing.mesh_doctor.finding import Finding, listed
 from garmentbench.importing.mesh_doctor.mesh import Mesh
 from garmentbench.importing.mesh_doctor.topology import components
+from garmentbench.importing.text import counted
 from garmentbench.sequence_file.array_checks import SEAM_GAP
 
 TOLERANCE = 1e-5  # of the mesh's diagonal, within which points coincide: 0.01 mm on a T-shirt

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from garmentbench.errors import Problem
-from garmentbench.importing.mesh_doctor.finding import Finding, counted, listed
+from garmentbench.importing.mesh_doctor.finding import Finding, listed
 from garmentbench.importing.mesh_doctor.mesh import Mesh
 from garmentbench.importing.mesh_doctor.orientation import inward_patches
 from garmentbench.importing.mesh_doctor.topology import (
@@ -16,6 +16,7 @@ from garmentbench.importing.mesh_doctor.topology import (
     torn_points,
     winding,
 )
+from garmentbench.importing.text import counted
 from garmentbench.sequence import Body
 
 SMALL_HOLE = 0.1  # way round a hole over the diagonal of its piece of cloth, below which it is no opening for a limb

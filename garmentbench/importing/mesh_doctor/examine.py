@@ -4,9 +4,10 @@ import numpy as np
 
 from garmentbench.importing.mesh_doctor import body, coincident, connections, shape, substeps, uv, worn
 from garmentbench.importing.mesh_doctor.body import Wearer
-from garmentbench.importing.mesh_doctor.finding import Finding, counted
+from garmentbench.importing.mesh_doctor.finding import Finding
 from garmentbench.importing.mesh_doctor.mesh import Mesh
 from garmentbench.importing.mesh_doctor.topology import borders, components
+from garmentbench.importing.text import counted
 
 
 def examine(mesh: Mesh, wearer: Wearer | None = None) -> list[Finding]:

@@ -20,6 +20,7 @@ from garmentbench.importing.meshes import obj
 from garmentbench.importing.meshes.conventions import UNITS, converter, guess_unit, guess_up, unit_name
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence
 from garmentbench.importing.meshes.ply import read_ply
+from garmentbench.importing.text import counted
 from garmentbench.scenes.garment_file import garment_name
 from garmentbench.sequence import Body, Garment
 from garmentbench.storage.atomic import written_whole
@@ -189,7 +190,7 @@ def write_mesh(path: Path, mesh: Mesh) -> list[str]:
     uv = uv if has_uv else None
     points = mesh.points.astype(np.float32)
     obj.write_template(path, MeshSequence(mesh.name, points[None], mesh.corners.astype(np.int32), uv))
-    return [f"left out {len(mesh.pins)} pins: OBJ has no place for them, .npz has"] if len(mesh.pins) else []
+    return [f"left out {counted(len(mesh.pins), 'pin')}: OBJ has no place for them, .npz has"] if len(mesh.pins) else []
 
 
 def _write_npz(path: Path, mesh: Mesh) -> None:

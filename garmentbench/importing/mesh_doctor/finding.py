@@ -29,14 +29,6 @@ class Finding:
     in_uv: bool = False
 
 
-def counted(count: int, one: str, many: str = "") -> str:
-    """
-    >>> counted(1, "edge"), counted(1200, "edge")
-    ('1 edge', '1200 edges')
-    """
-    return f"{count} {one if count == 1 else many or one + 's'}"
-
-
 def listed(indices: np.ndarray | Sequence) -> str:
     """The first few indices, or pairs of them.
 

@@ -9,13 +9,13 @@ from garmentbench.geometry.unwrap import unwrap
 from garmentbench.importing.mesh_doctor import shape, uv
 from garmentbench.importing.mesh_doctor.body import Wearer, push_out
 from garmentbench.importing.mesh_doctor.coincident import gaps, same_uv
-from garmentbench.importing.mesh_doctor.finding import counted
 from garmentbench.importing.mesh_doctor.mesh import Mesh
 from garmentbench.importing.mesh_doctor.orientation import inward_patches
 from garmentbench.importing.mesh_doctor.shape import FLAT, POINT, heights
 from garmentbench.importing.mesh_doctor.topology import components, doubles, repeats_a_corner, sides, winding
 from garmentbench.importing.mesh_doctor.worn import is_worn
 from garmentbench.importing.meshes.conventions import UNITS, converter
+from garmentbench.importing.text import counted
 
 
 def mend(
@@ -102,7 +102,9 @@ def _new_uv(mesh: Mesh) -> tuple[Mesh, list[str]]:
         pins=np.flatnonzero(pinned),
     )
     charts = len(np.unique(uv.charts(new)))
-    return new, [f"made a UV map by xatlas: {charts} charts, {len(made.seams)} vertices split along its cuts"]
+    return new, [
+        f"made a UV map by xatlas: {counted(charts, 'chart')}, {counted(len(made.seams), 'vertex', 'vertices')} split"
+    ]
 
 
 Done = tuple[Mesh, list[str]]

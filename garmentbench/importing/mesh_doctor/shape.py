@@ -6,10 +6,11 @@ NaN, faces without area, slivers, short edges, unit, up axis.
 import numpy as np
 
 from garmentbench.errors import Problem
-from garmentbench.importing.mesh_doctor.finding import Finding, counted, listed
+from garmentbench.importing.mesh_doctor.finding import Finding, listed
 from garmentbench.importing.mesh_doctor.mesh import Mesh
 from garmentbench.importing.mesh_doctor.topology import repeats_a_corner
 from garmentbench.importing.meshes.conventions import UNITS
+from garmentbench.importing.text import counted
 from garmentbench.sequence_file.array_checks import LARGEST, SMALLEST
 
 FLAT = 1e-6  # height over longest edge: no area

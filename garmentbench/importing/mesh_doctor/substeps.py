@@ -5,9 +5,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from garmentbench.errors import Problem
-from garmentbench.importing.mesh_doctor.finding import Finding, counted, listed
+from garmentbench.importing.mesh_doctor.finding import Finding, listed
 from garmentbench.importing.mesh_doctor.mesh import Mesh
 from garmentbench.importing.mesh_doctor.shape import POINT, SHORT, without_area
+from garmentbench.importing.text import counted
 from garmentbench.scenes.material import Material, Settings
 from garmentbench.sequence import Garment
 from garmentbench.simulation.assembly import assemble

@@ -4,10 +4,11 @@ chart?"""
 import numpy as np
 
 from garmentbench.errors import Problem
-from garmentbench.importing.mesh_doctor.finding import Finding, counted, listed
+from garmentbench.importing.mesh_doctor.finding import Finding, listed
 from garmentbench.importing.mesh_doctor.mesh import Mesh
 from garmentbench.importing.mesh_doctor.overlap import overlaps
 from garmentbench.importing.mesh_doctor.topology import components, repeats_a_corner, winding
+from garmentbench.importing.text import counted
 
 NO_AREA = 1e-12  # of the UV map's extent squared: a triangle that no texel sees
 MUCH = 1e-3  # overlap over covered area above which a method learns the wrong thing

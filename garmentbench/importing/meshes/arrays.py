@@ -6,9 +6,13 @@ uv                        shape (V, 2), or (F, 3, 2) by corner; optional
 rest                      shape (V, 3); optional
 pins                      shape (P,), vertices held fast to the body; optional
 times                     shape (T,), when each frame is [s]; optional
-fps, metres_per_unit, up  numbers, and "x", "y" or "z" (in HDF5 also as attributes of the file); optional
+fps, metres_per_unit, up  numbers, and "x", "y" or "z"; optional
+units                     "m", "cm", "mm", "in" or "ft", in place of metres_per_unit; optional
+
+In HDF5 the last four may be attributes of the file or of the positions too, and everywhere numbers may be text.
 """
 
+import re
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -16,6 +20,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from garmentbench.importing.meshes.conventions import UNITS
 from garmentbench.importing.meshes.even_times import are_numbers, evenly_timed
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence, checked_faces, refusal, size_of
 from garmentbench.storage import hdf5
@@ -24,7 +29,16 @@ from garmentbench.storage.npz import DAMAGED, read_array
 
 _ALIASES = {"vertices": "positions", "triangles": "faces"}
 _SHAPES = {"positions": (None, None, 3), "faces": (None, 3), "rest": (None, 3), "pins": (None,), "times": (None,)}
-_KNOWN = frozenset({*_SHAPES, *_ALIASES, "uv", "fps", "metres_per_unit", "up"})
+_WORDS = ("fps", "metres_per_unit", "up", "units")
+_KNOWN = frozenset({*_SHAPES, *_ALIASES, *_WORDS, "uv"})
+_UNIT_NAMES = {  # beside the keys of UNITS
+    "met(er|re)s?": "m",
+    "centimet(er|re)s?": "cm",
+    "millimet(er|re)s?": "mm",
+    "inch(es)?": "in",
+    "foot|feet": "ft",
+}
+_UP = re.compile(r"\+?([xyz])([ _-]?(axis|up))?", re.IGNORECASE)
 _AGAIN = "write it again; garmentbench import --help names the arrays"
 _SAME_RATE = 0.01  # relative difference of two rates that are one
 
@@ -58,9 +72,10 @@ def read_hdf5(path: Path) -> MeshSequence:
             there += [_ALIASES.get(name, name) for name in map(str, file)]
             for name in sorted(_KNOWN & set(file)):
                 arrays[_ALIASES.get(name, name)] = _stored(file, name)
-            for name in ("fps", "metres_per_unit", "up"):
-                if name not in arrays and name in file.attrs:
-                    arrays[name] = np.asarray(file.attrs[name])
+            for holder in (file, *(file[name] for name in ("positions", "vertices") if name in file)):
+                for name in _WORDS:
+                    if name not in arrays and name in holder.attrs:
+                        arrays[name] = np.asarray(holder.attrs[name])
     except (*hdf5.DAMAGED, TypeError) as e:
         raise refusal(path, f"damaged, or no HDF5 file of a mesh ({hdf5.reason(e)})", _AGAIN) from e
     return _mesh(path, arrays, there)
@@ -69,7 +84,7 @@ def read_hdf5(path: Path) -> MeshSequence:
 def _stored(file: h5py.File, name: str) -> np.ndarray:
     """A dataset's array; a text of variable length, as other programs write it, by its own way."""
     link = file.get(name, getlink=True)
-    text: Any = file[name] if name == "up" and isinstance(link, h5py.HardLink) else None
+    text: Any = file[name] if name in _WORDS and isinstance(link, h5py.HardLink) else None
     if text is not None and h5py.check_string_dtype(text.dtype) is not None:
         return np.asarray(text[()])
     found = hdf5.dataset(file, name)
@@ -130,7 +145,7 @@ def _mesh(path: Path, arrays: dict[str, np.ndarray], there: list[str]) -> MeshSe
         _corner_uv(path, arrays.get("uv"), faces, vertices),
         rest,
         fps or rate,
-        _number(path, arrays, "metres_per_unit"),
+        _unit(path, arrays),
         _up(path, arrays),
         times,
         pins=pins,
@@ -166,16 +181,41 @@ def _number(path: Path, arrays: dict[str, np.ndarray], name: str) -> float | Non
     if name not in arrays:
         return None
     value = arrays[name]
-    if value.size != 1 or value.dtype.kind not in "iuf" or not 0 < float(value.ravel()[0]) < 1e6:
-        raise refusal(path, f"{name} is {str(value)[:40]}, wanted one number above 0", _AGAIN)
-    return float(value.ravel()[0])
+    try:
+        number = float(_text(value) if value.dtype.kind in "SUO" else value.ravel()[0]) if value.size == 1 else -1.0
+    except (TypeError, ValueError):
+        number = -1.0
+    if not 0 < number < 1e6 or value.dtype.kind not in "iufSUO":
+        raise refusal(path, f"{name} is {_text(value)[:40]}, wanted one number above 0", _AGAIN)
+    return number
+
+
+def _text(value: np.ndarray) -> str:
+    """The text of an array of one, whether bytes or not."""
+    one = value.ravel()[0] if value.size == 1 else value
+    return (one.decode(errors="replace") if isinstance(one, bytes) else str(one)).strip("\0 ")
+
+
+def _unit(path: Path, arrays: dict[str, np.ndarray]) -> float | None:
+    """Metres in a unit, by its number or its name."""
+    number = _number(path, arrays, "metres_per_unit")
+    if "units" not in arrays:
+        return number
+    said = _text(arrays["units"]).lower()
+    name = next((name for pattern, name in _UNIT_NAMES.items() if re.fullmatch(pattern, said)), said)
+    wanted = f"wanted {', '.join(UNITS)}"
+    if name not in UNITS:
+        raise refusal(path, f"units is '{said[:20]}', {wanted}", _AGAIN)
+    if number is not None and abs(number / UNITS[name] - 1) > 1e-6:
+        raise refusal(path, f"units is '{said}', metres_per_unit {number:g}", "write only the one that is right")
+    return UNITS[name]
 
 
 def _up(path: Path, arrays: dict[str, np.ndarray]) -> str | None:
     if "up" not in arrays:
         return None
-    value = arrays["up"].ravel()[0] if arrays["up"].size == 1 else arrays["up"]
-    up = value.decode(errors="replace") if isinstance(value, bytes) else str(value)
-    if up not in ("x", "y", "z"):
+    up = _text(arrays["up"])
+    found = _UP.fullmatch(up)
+    if found is None:
         raise refusal(path, f"up is '{up[:20]}', wanted x, y or z", _AGAIN)
-    return up
+    return found[1].lower()

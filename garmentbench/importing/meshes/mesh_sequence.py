@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from garmentbench.errors import UserError
+from garmentbench.importing.text import counted
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,7 @@ def without_spare(mesh: MeshSequence) -> MeshSequence:
         rest=None if mesh.rest is None else mesh.rest[used],
         pins=np.searchsorted(used, mesh.pins[np.isin(mesh.pins, used)]).astype(np.int32),
         numbers=used,
-        notes=(*mesh.notes, f"{spare} vertices without a face left out"),
+        notes=(*mesh.notes, f"{counted(spare, 'vertex', 'vertices')} without a face left out"),
     )
 
 

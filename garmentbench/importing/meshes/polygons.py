@@ -11,6 +11,7 @@ import numpy as np
 
 from garmentbench.importing.meshes.even_times import evenly_timed
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence, checked_faces, refusal
+from garmentbench.importing.text import counted
 
 MOST_CORNERS = 100  # of one face; ear clipping is cubic
 
@@ -95,7 +96,8 @@ def _turn(a: np.ndarray, b: np.ndarray, p: np.ndarray) -> np.ndarray:
 def what_was_cut(counts: np.ndarray) -> tuple[str, ...]:
     """In words, for the notes; nothing where all were triangles."""
     quads, more = int((counts == 4).sum()), int((counts > 4).sum())
-    said = [f"{n} {what}" for n, what in ((quads, "quads"), (more, "faces of more than 4 corners")) if n]
+    said = [counted(quads, "quad")] if quads else []
+    said += [counted(more, "face of more than 4 corners", "faces of more than 4 corners")] if more else []
     return (" and ".join(said) + " cut into triangles",) if said else ()
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from garmentbench.geometry.unwrap import SAME_UV, split_corners, unwrap
 from garmentbench.geometry.weld import TOGETHER, sewing_pairs, touching_borders
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence, refusal
+from garmentbench.importing.text import counted
 
 MOST_TILES = 100  # a UV map that spans more is damaged
 
@@ -51,7 +52,7 @@ def vertex_uv(mesh: MeshSequence, make_uv: bool = False) -> VertexUV:
     uv, notes = _into_unit_square(where, uv.astype(np.float64))
     origin, faces, of_vertex = split_corners(mesh.faces, uv)
     copies = len(origin) - len(np.unique(mesh.faces))
-    cut = (f"{copies} vertices split along the cuts of the UV map",) if copies else ()
+    cut = (f"{counted(copies, 'vertex', 'vertices')} split along the cuts of the UV map",) if copies else ()
     return VertexUV(origin, faces, of_vertex, (*notes, *cut))
 
 
@@ -76,7 +77,7 @@ def _made(mesh: MeshSequence) -> VertexUV:
     made = unwrap(still, mesh.faces)
     used = np.unique(made.faces)
     copies = len(made.source) - len(still)
-    notes = f"UV map made by xatlas: {copies} vertices split along its cuts"
+    notes = f"UV map made by xatlas: {counted(copies, 'vertex', 'vertices')} split along its cuts"
     faces = np.searchsorted(used, made.faces).astype(np.int32)
     return VertexUV(made.source[used], faces, made.uv[used], (notes,))
 

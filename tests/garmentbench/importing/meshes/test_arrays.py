@@ -59,7 +59,45 @@ def test_hdf5_of_h5py_in_a_process_of_its_own(tmp_path):
     assert (read.fps, read.up, read.name) == (25.0, "z", "a")
 
 
+@pytest.mark.parametrize("text", [str, np.bytes_])
+@pytest.mark.parametrize("place", ["npz", "dataset", "file", "positions"])
+def test_texts_of_any_kind_wherever_they_stand(tmp_path, place, text):
+    said = {"fps": text("24"), "up": text("Z"), "units": text("Inches")}
+    arrays = {k: v for k, v in GOOD.items() if k not in said}
+    if place == "npz":
+        np.savez(tmp_path / "a.npz", **arrays, **said)
+        read = read_npz(tmp_path / "a.npz")
+    else:
+        with h5py.File(tmp_path / "a.h5", "w") as file:
+            for name, value in arrays.items():
+                file[name] = value
+            holder = {"dataset": file, "file": file.attrs, "positions": file["positions"].attrs}[place]
+            for name, value in said.items():
+                holder[name] = value
+        read = read_hdf5(tmp_path / "a.h5")
+    assert (read.fps, read.up, read.unit) == (24.0, "z", 0.0254)
+
+
+@pytest.mark.parametrize(
+    ("said", "unit", "up"),
+    [
+        ("metre", 1.0, "y-up"),
+        ("CM", 0.01, "+Y"),
+        ("Millimeters", 0.001, "y_axis"),
+        ("feet", 0.3048, "Y"),
+        ("m", 1.0, "y"),
+    ],
+)
+def test_names_of_units_and_axes(tmp_path, said, unit, up):
+    np.savez(tmp_path / "a.npz", **GOOD | {"units": said, "up": up})
+    read = read_npz(tmp_path / "a.npz")
+    assert (read.unit, read.up) == (unit, "y")
+
+
 BAD = [
+    ({"units": "parsec"}, "units is 'parsec', wanted m, cm, mm, in, ft"),
+    ({"units": "cm", "metres_per_unit": 1.0}, "units is 'cm', metres_per_unit 1; write only the one that is right"),
+    ({"fps": "fast"}, "fps is fast, wanted one number above 0"),
     ({"positions": None}, "has no array 'positions' (found: faces, fps, up, uv)"),
     ({"positions": MESH.frames[0]}, "positions is float32 of shape (105, 3), wanted floats of shape (n, n, 3)"),
     ({"positions": np.zeros((0, 105, 3), np.float32)}, "positions is float32 of shape (0, 105, 3)"),

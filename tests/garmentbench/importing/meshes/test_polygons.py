@@ -16,7 +16,7 @@ def test_mixed_polygons_keep_their_order_and_orientation():
     positions = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0]], float)
     cut = triangulate(np.array([3, 4]), np.array([1, 4, 2, 0, 1, 2, 3]), positions)
     assert cut.tolist() == [[0, 1, 2], [3, 4, 5], [3, 5, 6]]
-    assert what_was_cut(np.array([3, 4, 4, 7])) == ("2 quads and 1 faces of more than 4 corners cut into triangles",)
+    assert what_was_cut(np.array([3, 4, 4, 7])) == ("2 quads and 1 face of more than 4 corners cut into triangles",)
     assert what_was_cut(np.array([3])) == ()
 
 
