@@ -94,5 +94,5 @@ def test_a_garment_beside_its_body_is_an_error_after_simulating_too(home, capsys
     call = ["simulate", "--garment", "beside.obj", "--motion", "armspace-90", "--frames", "4", "--preset", "smoke"]
     assert main([*call, "--runs", "1"]) == 1
     told = capsys.readouterr()
-    assert "beside-armspace-90: error: frame 0: no part of 'base' goes through" in told.out
+    assert "beside-armspace-90: error: frame 0: 'base' doesn't go through" in told.out
     assert "1 of 1 failed, the first: beside-armspace-90" in told.err

@@ -130,11 +130,13 @@ def looked_into(sequence: "Sequence") -> list[Problem]:
     """What is wrong with a sequence whose file is whole: a garment that isn't worn, and what its mesh is warned of."""
     from garmentbench.importing.mesh_doctor.examine import examine_template
     from garmentbench.importing.mesh_doctor.files import mesh_of
-    from garmentbench.importing.mesh_doctor.worn import never_worn
+    from garmentbench.importing.mesh_doctor.worn import garment_in, never_worn, of_frame
 
-    found = examine_template(mesh_of(sequence.template.garment))
-    mesh = [replace(f.problem, where=f"garment {f.problem.where}", warning=True) for f in found]
-    return never_worn(sequence) + mesh
+    off = never_worn(sequence)
+    on_body = sequence.body is not None and not errors(off)
+    first, wearer = of_frame(sequence, 0) if on_body else (garment_in(sequence, 0), None)
+    found = examine_template(mesh_of(sequence.template.garment), first, wearer)
+    return off + [replace(f.problem, where=f"garment {f.problem.where}", warning=True) for f in found]
 
 
 def _shift(given: str) -> tuple[float, float, float]:
@@ -163,7 +165,13 @@ def _verdict(file: Path, problems: list[Problem]) -> None:
     """Print the problems, errors first, and a last line. Raises `UserError` where there are errors."""
     for problem in sorted(problems, key=lambda p: p.warning):
         print(f"{'warning' if problem.warning else 'error'}: {problem}")
+    from garmentbench.importing.mesh_doctor.worn import SLIPPED
+
     bad = len(errors(problems))
     if bad:
         raise UserError(f"{file}: {bad} error{'s' if bad > 1 else ''}, listed above; the file can't be used as it is")
-    print(f"{file}: {'good, but see the warnings' if problems else 'good'}")
+    off = next((p.where for p in problems if p.warning and p.what.startswith(SLIPPED)), "")
+    if off:
+        print(f"{file}: whole, but not worn from {off} on at the latest: see the warnings")
+    else:
+        print(f"{file}: {'good, but see the warnings' if problems else 'good'}")

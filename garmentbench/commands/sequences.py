@@ -134,7 +134,8 @@ class Simulate:
 
 def _print(reference: "Reference", started: float, own: bool) -> list[str]:
     """The sequence's path and spread, where it went wrong, and, if it was made since `started` (a time of
-    `time.time`), what `check` would say, of a garment of the user's own with whether it is worn. Gives the errors."""
+    `time.time`), what `check` would say; of a garment of the user's own always, with whether it is worn. Gives the
+    errors."""
     from garmentbench import sequence_file
     from garmentbench.commands.check import looked_into
     from garmentbench.errors import errors
@@ -158,7 +159,7 @@ def _print(reference: "Reference", started: float, own: bool) -> list[str]:
         bad = f"{simulation['status']} from frame {simulation['first_bad_frame']} on"
         print(f"{reference.name}: {bad}, see its data card")
     problems = []
-    if reference.path.stat().st_mtime >= started - 1:
+    if own or reference.path.stat().st_mtime >= started - 1:
         problems = check_sequence(reference.path)
         if own and not errors(problems):
             problems += looked_into(sequence_file.load(reference.path))

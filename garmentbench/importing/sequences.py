@@ -123,7 +123,14 @@ def import_meshes(garment: MeshSequence, body: MeshSequence | None, wanted: Want
     if body is not None:
         check_frames(body, count, skin)
     mesh = vertex_uv(garment, wanted.make_uv)
-    notes = [*found.assumed, *odd, *pair.notes, *_reading_notes(garment), *(f"garment: {note}" for note in mesh.notes)]
+    notes = [
+        *found.assumed,
+        *odd,
+        *pair.notes,
+        *_left_out(garment, body),
+        *_reading_notes(garment),
+        *(f"garment: {note}" for note in mesh.notes),
+    ]
     frames = placed_frames(garment, mesh.origin, found.unit[0], found.up[0], count)
     rest, turned = placed_rest(garment, mesh.origin, found.unit[0], found.up[0], frames[0])
     seams = seam_pairs(mesh.origin, mesh.faces, rest, frames)
@@ -225,6 +232,19 @@ def _asked(asked: int | None, there: int) -> int:
     if asked is not None and not 1 <= asked <= there:
         raise UsageError(f"--frames is {asked}; the garment has {there}")
     return asked or there
+
+
+def _left_out(garment: MeshSequence, body: MeshSequence | None) -> list[str]:
+    """A line on meshes of the files that are neither garment nor body."""
+    if body is None or garment.files[:1] != body.files[:1]:
+        lists = [(mesh.files[0], mesh.beside) for mesh in (garment, body) if mesh is not None and mesh.beside]
+    else:
+        lists = [(garment.files[0], tuple(n for n in garment.beside if n in body.beside))] if garment.files else []
+    return [
+        f"meshes of {file} that are not read: {', '.join(names[:8])}{' ...' if len(names) > 8 else ''}"
+        for file, names in lists
+        if names
+    ]
 
 
 def _reading_notes(mesh: MeshSequence) -> list[str]:

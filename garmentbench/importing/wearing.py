@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from garmentbench.importing.mesh_doctor.worn import fits_mirrored, never_worn, other_time
+from garmentbench.importing.mesh_doctor.worn import fits_mirrored, later, likely_cause, never_worn, other_time
 from garmentbench.importing.meshes.mesh_sequence import refusal
 from garmentbench.metrics.interpenetration_strict import PENETRATION
 from garmentbench.metrics.metric import Motion, scores
@@ -33,15 +33,14 @@ def worn(sequence: Sequence) -> tuple[Sequence, list[str]]:
             found = f"{line}, but hardly one of its mirror image ({mirrored})"
             raise refusal(where, found, "export garment and body with the same axes, both right-handed")
     if percent > _MOSTLY:
-        do = "export both with one origin, axes, unit and time (--units, --up, --same-start), or name the right body"
-        raise refusal(where, f"{line}, wanted it worn", do)
+        raise refusal(where, f"{line}, wanted it worn", f"{likely_cause(sequence)}, or name the right body")
     lines = [f"warning: {problem}" for problem in problems]
     if problems:
         return _with_lines(sequence, lines), lines
     if percent > _MUCH:
         shift = other_time(sequence)
         likely = "do both have the same times, axes and unit, and is this its body?"
-        likely = f"it fits the body {shift:+d} frames away: do both begin at the same moment?" if shift else likely
+        likely = f"{later(shift)}: do both begin at the same moment?" if shift else likely
         lines.append(f"warning: interpenetration: {line}: {likely}")
     else:
         lines.append(f"interpenetration: {line}")

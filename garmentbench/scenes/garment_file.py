@@ -13,6 +13,7 @@ import numpy as np
 from garmentbench.errors import UserError, unknown_name
 from garmentbench.geometry.unwrap import in_order, split_corners, unwrap
 from garmentbench.geometry.weld import TOGETHER, sewing_pairs, touching_borders
+from garmentbench.scenes.roles import are_two_things, role_of
 from garmentbench.scenes.scene import MeshFile
 from garmentbench.sequence import Garment
 from garmentbench.storage.npz import read_arrays
@@ -107,6 +108,7 @@ def _npz(name: str, path: Path) -> tuple[Garment, dict[str, np.ndarray]]:
 def _obj(name: str, path: Path) -> tuple[Garment, dict[str, np.ndarray]]:
     """An OBJ file, its UV map made where it has none; and the vertices of each group of faces (g, o)."""
     vertices, uvs, corners, corner_uv, groups = _obj_lines(path)
+    _refuse_several(path)
     if not vertices or not corners:
         raise UserError(f"{path}: no vertices or no faces, wanted an OBJ mesh; export it again")
     rest, faces, uv = np.array(vertices), np.array(corners), np.array(corner_uv)
@@ -117,6 +119,28 @@ def _obj(name: str, path: Path) -> tuple[Garment, dict[str, np.ndarray]]:
     copies = {group: np.flatnonzero(np.isin(cut.source, members)) for group, members in groups.items()}
     none = np.zeros(0, np.int32)
     return Garment(name, rest[cut.source].astype(np.float32), cut.faces, cut.uv, cut.seams, none), copies
+
+
+def _refuse_several(path: Path) -> None:
+    """Raises `UserError` where a file holds more than one garment: objects, or groups that say garment and body."""
+    names: dict[str, dict[str, None]] = {"o": {}, "g": {}}
+    now = {"o": "", "g": ""}
+    for line in _text(path).splitlines():
+        key, _, rest = line.strip().partition(" ")
+        if key in names:
+            now[key] = rest.strip()
+        elif key == "f":
+            for kind in names:
+                names[kind].setdefault(now[kind])
+    objects, groups = (tuple(names[kind]) for kind in ("o", "g"))
+    several = objects if len(objects) > 1 else groups if are_two_things(groups) else ()
+    if several:
+        listed = ", ".join(name or "(without a name)" for name in several[:8]) + (" ..." if len(several) > 8 else "")
+        one = next((name for name in several if role_of(name) == "garment"), several[0])
+        raise UserError(
+            f"{path}: holds {len(several)} objects ({listed}), wanted one garment; `garmentbench check {path} --mesh "
+            f"'{one}' --fix OUT.npz` takes one, or all of them (--mesh all)"
+        )
 
 
 def _obj_lines(path: Path) -> tuple[list, list, list, list, dict[str, np.ndarray]]:

@@ -41,11 +41,17 @@ def examine(mesh: Mesh, wearer: Wearer | None = None) -> list[Finding]:
     return found
 
 
-def examine_template(mesh: Mesh) -> list[Finding]:
-    """What is wrong with a sequence's garment besides what `sequence_checks` finds."""
+def examine_template(mesh: Mesh, worn_first: Mesh, wearer: Wearer | None) -> list[Finding]:
+    """What is wrong with a sequence's garment besides what `sequence_checks` finds.
+
+    Args:
+        mesh: The garment at rest.
+        worn_first: The garment as it is in frame 0.
+        wearer: Its body in that frame, if it is worn there; it tells which side is outside.
+    """
     found = connections.repeated_faces(mesh)
-    mesh = connections.without_doubles(mesh)
-    found += connections.flipped(mesh, None) + connections.pieces(mesh)
+    mesh, worn_first = connections.without_doubles(mesh), connections.without_doubles(worn_first)
+    found += connections.flipped(worn_first, None if wearer is None else wearer.body) + connections.pieces(mesh)
     found += connections.holes(mesh) + coincident.coincident_findings(mesh) + substeps.costly(mesh, substeps.cost(mesh))
     return found + (uv.missing(mesh) or uv.folds(mesh) + uv.overlapping(mesh))
 

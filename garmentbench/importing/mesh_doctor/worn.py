@@ -16,12 +16,14 @@ from garmentbench.importing.mesh_doctor.topology import borders
 from garmentbench.importing.meshes.conventions import UNITS, converter, unit_name
 from garmentbench.sequence import HUMAN, Sequence
 
+SLIPPED = "worn in frame 0, but here"
 _SAME_UNIT = 1e-3  # relative difference
 _WIDE = 0.5  # [m] from the skin in the median: wider than any garment, the suite's widest has 0.08
 NEAR = 0.1  # [m] a garment with one border (a cape) is worn where it is this near
 _SIZES = 0.25, 2.5  # diagonal of a garment [m]
 _STEP = 0.1  # [m] of the heights that are tried
 _BESIDE = 0.3  # [m] from the body's axis, from where on it is tried to bring a garment back
+_LARGE = 0.25  # of the longest opening's length: buttonholes and slits are no openings to be worn by
 _LOWEST = 0.2  # of the body's height: no garment's middle is below
 _TALL = 1.0  # [m] a body that stands on soles
 _SOLES = 0.05  # of the body's height: a garment whose middle is below is no garment on feet
@@ -75,20 +77,24 @@ class Change:
 
 
 def is_worn(mesh: Mesh, wearer: Wearer) -> bool:
-    """Does the body go through an opening of the garment [m], lie within it, or is a cape near it?"""
+    """Does the body go through most of the garment's large openings [m], lie within it, or is a cape near it?"""
     points = mesh.points[np.unique(mesh.corners)]
     low, high, body = points.min(axis=0), points.max(axis=0), wearer.body.rest
     soles, height = body[:, 2].min(), np.ptp(body[:, 2])
     at_the_feet = (low[2] + high[2]) / 2 < soles + _SOLES * height
     if wearer.body.kind == HUMAN and height > _TALL and (at_the_feet or _median_gap(mesh, wearer) > _WIDE):
         return False
-    openings, crossed = _openings(mesh, _skin(wearer))
-    if crossed or (openings and (depths(_hubs(mesh), wearer) > 0).any()):
+    length, hubs, crossed = _openings(mesh, _skin(wearer))
+    large = length > _LARGE * length.max(initial=0)
+    left = large & ~crossed
+    if crossed[large].sum() <= large.sum() / 2 and left.any():
+        crossed[left] = depths(hubs[left], wearer) > 0
+    if crossed[large].sum() > large.sum() / 2:
         return True
     middle = (body.min(axis=0) + body.max(axis=0)) / 2
     if ((low < middle) & (middle < high)).all() and ((low < body.min(axis=0)) & (high > body.max(axis=0))).any():
         return True
-    return openings < 2 and bool(nearest_vertices(points, body)[0].min() < NEAR)
+    return len(length) < 2 and bool(nearest_vertices(points, body)[0].min() < NEAR)
 
 
 def not_worn(mesh: Mesh, wearer: Wearer, units: str = "m") -> list[Finding]:
@@ -97,7 +103,7 @@ def not_worn(mesh: Mesh, wearer: Wearer, units: str = "m") -> list[Finding]:
         return []
     low, high = mesh.points[mesh.corners].min(axis=(0, 1)), mesh.points[mesh.corners].max(axis=(0, 1))
     middle = ", ".join(f"{x:.2f}" for x in (low + high) / 2)
-    what = f"not worn by '{wearer.body.name}': no part of it goes through the openings, or it stands far off; "
+    what = f"not worn by '{wearer.body.name}': it doesn't go through most of the openings, or it stands far off; "
     what += f"the middle is at ({middle}) m"
     factor = other_unit(mesh, wearer, UNITS[units])
     change = proposal(mesh, wearer) if factor == 1 else None
@@ -124,31 +130,45 @@ def never_worn(sequence: Sequence) -> list[Problem]:
         if is_worn(mesh, wearer):
             continue
         gap = nearest_vertices(mesh.points, wearer.body.rest)[0].min()
-        no_part = (
-            f"no part of '{template.body.name}' goes through the garment's openings, or it stands far off the skin"
-        )
-        no_part += f" (the nearest point is {gap:.2g} m away)"
+        off = f"'{template.body.name}' doesn't go through most of the garment's openings, or it stands far off the skin"
+        off += f" (the nearest point is {gap:.2g} m away)"
         if frame:
             shift = other_time(sequence)
-            likely = f"it fits the body {shift:+d} frames away" if shift else "do both have the same times and rate"
-            do = f"{likely}? Look at it (garmentbench view), and import it with what is right"
-            return [Problem(f"frame {frame}", f"worn in frame 0, but here {no_part}", do, warning=True)]
-        do = f"{_likely(mesh, wearer, sequence)}? Look at it (--picture), and import it with what is right"
-        return [Problem("frame 0", no_part, do)]
+            likely = f"{later(shift)}? Export" if shift else "do both have the same times and rate? If not, export"
+            do = f"look at it (garmentbench view); {likely} both over the same frames"
+            return [Problem(f"frame {frame}", f"{SLIPPED} {off}", do, warning=True)]
+        return [Problem("frame 0", off, f"{likely_cause(sequence)}; look at it (--picture)")]
     return []
 
 
-def _likely(mesh: Mesh, wearer: Wearer, sequence: Sequence) -> str:
-    """The likely cause of a garment's not being on its body in frame 0."""
-    factor, shift = other_unit(mesh, wearer), other_time(sequence)
-    if factor != 1:
-        return f"worn at {factor:.3g} times its size: {_RATIOS[factor]}"
+def later(shift: int) -> str:
+    """Where in time a garment fits its body, by `other_time`."""
+    return f"it fits the body {shift:+d} frame{'' if abs(shift) == 1 else 's'} away"
+
+
+def likely_cause(sequence: Sequence) -> str:
+    """The likely cause of a garment's not being on its body in frame 0, and what mends it."""
+    mesh, wearer = of_frame(sequence, 0)
+    factor = other_unit(mesh, wearer)
+    shift = 0 if factor != 1 else other_time(sequence)
     if shift:
-        return f"it fits the body {shift:+d} frames away"
-    change = proposal(mesh, wearer)
-    if change is None or (change.up != "z" and any(change.shift[:2])):  # two faults at once are far-fetched
-        return "another origin, axes, unit or time than the body's"
-    return change.words()
+        return f"{later(shift)}? Export both over the same frames"
+    change = None if factor != 1 else proposal(mesh, wearer)
+    if change is not None and change.up != "z" and any(change.shift[:2]):  # two faults at once are far-fetched
+        change = None
+    imported = "imported" in sequence.info
+    if factor != 1:
+        do = "import it with the right --units or --body-units" if imported else "scale it (garmentbench check --fix)"
+        return f"worn at {factor:.3g} times its size: {_RATIOS[factor]}? Then {do}"
+    if change is None:
+        do = "export both alike" if imported else "bring it to where it is worn"
+        return f"another origin, axes, unit or time than the body's? Then {do}"
+    if not imported:
+        return f"{change.words()} would bring it on: garmentbench check FILE --fix OUT {change.options()}"
+    do = f"import it with --up {change.up} (--body-up for the body)" if change.up != "z" else ""
+    if any(change.shift):
+        do += f"{', and ' if do else ''}move it in the program that it comes from: import moves nothing"
+    return f"{change.words()} would bring it on: {do}"
 
 
 def other_time(sequence: Sequence) -> int:
@@ -201,13 +221,19 @@ def _median_gap(mesh: Mesh, wearer: Wearer) -> float:
 _RATIOS = {a / b: f"{u} taken for {v}" for (u, a), (v, b) in product(UNITS.items(), UNITS.items()) if u != v}
 
 
+def garment_in(sequence: Sequence, frame: int) -> Mesh:
+    """The garment as it is in a frame."""
+    garment, positions = sequence.template.garment, sequence.garment[frame].astype(np.float64)
+    count, faces, seams = np.arange(len(positions)), garment.faces.astype(np.int64), garment.seams.astype(np.int64)
+    return Mesh(garment.name, positions, faces, None, count, seams=seams)
+
+
 def of_frame(sequence: Sequence, frame: int, body_frame: int | None = None) -> tuple[Mesh, Wearer]:
     """Garment and body, which there has to be, as they are in a frame; the body perhaps in another one."""
-    garment, body = sequence.template.garment, sequence.template.body
+    body = sequence.template.body
     assert body is not None and sequence.body is not None, "ask for the body first"
-    positions, seams = sequence.garment[frame].astype(np.float64), garment.seams.astype(np.int64)
-    mesh = Mesh(garment.name, positions, garment.faces.astype(np.int64), None, np.arange(len(positions)), seams=seams)
-    return mesh, Wearer(replace(body, rest=sequence.body[frame if body_frame is None else body_frame]), None)
+    rest = sequence.body[frame if body_frame is None else body_frame]
+    return garment_in(sequence, frame), Wearer(replace(body, rest=rest), None)
 
 
 _MIRRORS = {  # what a mirror image may be of, and the matrix that undoes it
@@ -246,12 +272,12 @@ def proposal(mesh: Mesh, wearer: Wearer, units: tuple[str, ...] = ("m",)) -> Cha
     skin, most, found = _skin(wearer), 0, None
     for change in _changes(mesh, wearer, units):
         moved = change.of(mesh)
-        openings, crossed = _openings(moved, skin)
-        if crossed <= most:
+        crossed = _openings(moved, skin)[2]
+        if crossed.sum() <= most:
             continue
-        if _inside(moved, wearer) <= _FEW:
-            most, found = crossed, change
-        if most == openings:
+        if _inside(moved, wearer) <= _FEW and is_worn(moved, wearer):
+            most, found = crossed.sum(), change
+        if most == len(crossed):
             break
     return found
 
@@ -279,24 +305,20 @@ def _changes(mesh: Mesh, wearer: Wearer, units: tuple[str, ...]) -> Iterator[Cha
             yield replace(plain, shift=(float(x) + 0.0, float(y) + 0.0, float(z)))
 
 
-def _openings(mesh: Mesh, skin: np.ndarray) -> tuple[int, int]:
-    """Number of openings, and of those that an edge of the body, shape (N, 2, 3), crosses."""
+def _openings(mesh: Mesh, skin: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Length of each opening [m], its middle, and whether an edge of the body, shape (N, 2, 3), crosses it; shapes
+    (openings,), (openings, 3), (openings,)."""
     edges, loop = borders(mesh.sides, len(mesh.vertex))
-    crossed = 0
-    count = int(loop.max(initial=-1)) + 1
-    for k in range(count):
+    length, hubs, crossed = [], [], []
+    for k in range(int(loop.max(initial=-1)) + 1):
         ring = mesh.points[edges[loop == k]]
-        hub = ring.mean(axis=(0, 1))
-        low, high = ring.min(axis=(0, 1)), ring.max(axis=(0, 1))
+        hub, low, high = ring.mean(axis=(0, 1)), ring.min(axis=(0, 1)), ring.max(axis=(0, 1))
         near = skin[((skin.max(axis=1) >= low) & (skin.min(axis=1) <= high)).all(axis=1)]
-        crossed += any(_crosses(near[s : s + _CHUNK], ring[:, 0], ring[:, 1], hub) for s in range(0, len(near), _CHUNK))
-    return count, crossed
-
-
-def _hubs(mesh: Mesh) -> np.ndarray:
-    """The middles of the openings, shape (openings, 3)."""
-    edges, loop = borders(mesh.sides, len(mesh.vertex))
-    return np.stack([mesh.points[edges[loop == k]].mean(axis=(0, 1)) for k in range(int(loop.max(initial=-1)) + 1)])
+        chunks = (near[s : s + _CHUNK] for s in range(0, len(near), _CHUNK))
+        crossed.append(any(_crosses(chunk, ring[:, 0], ring[:, 1], hub) for chunk in chunks))
+        hubs.append(hub)
+        length.append(float(np.linalg.norm(ring[:, 1] - ring[:, 0], axis=1).sum()))
+    return np.array(length), np.array(hubs).reshape(-1, 3), np.array(crossed, bool)
 
 
 def _skin(wearer: Wearer) -> np.ndarray:

@@ -5,7 +5,7 @@ Needs `alembic3d` (in the extra `alembic`), PyAlembic as a wheel. Damaged files 
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +36,9 @@ def read_alembic(path: Path, prim: str, role: str) -> MeshSequence | None:
             found = f"has no polygon mesh, wanted one; what it has is not read: {', '.join(unread[:8])}"
             raise refusal(path, found, "export the meshes with their faces")
         name = choose(path, list(meshes), prim, role)
-        return None if name is None else _mesh(path, name, meshes[name], unread)
+        if name is None:
+            return None
+        return replace(_mesh(path, name, meshes[name], unread), beside=tuple(n for n in meshes if n != name))
     except (RuntimeError, ValueError, IndexError) as e:  # what Boost.Python makes of Alembic's exceptions
         reason = (str(e).strip() or type(e).__name__).splitlines()[-1]
         raise refusal(path, f"damaged, or no Alembic file ({reason[:120]})", _AGAIN) from e

@@ -4,17 +4,7 @@ import re
 from pathlib import Path
 
 from garmentbench.importing.meshes.mesh_sequence import refusal
-
-_WORDS = {
-    "garment": r"garment|cloth|shirt|dress|skirt|top|suit|trouser|pant|jacket|coat|sheet|fabric",
-    "body": r"body|avatar|human|skin|smpl|character|figure",
-}
-
-
-def role_of(name: str) -> str | None:
-    """ "garment" or "body", as a mesh's name says; None where it says neither, or both."""
-    found = [role for role, words in _WORDS.items() if re.search(words, name, re.IGNORECASE)]
-    return found[0] if len(found) == 1 else None
+from garmentbench.scenes.roles import WORDS
 
 
 def choose_part(path: Path, names: list[str], given: str, role: str) -> str:
@@ -59,7 +49,7 @@ def choose(path: Path, names: list[str], prim: str, role: str) -> str | None:
             found = f"{len(meant)} meshes are called '{prim}', wanted one (there are: {listed})"
             raise refusal(path, found, f"give the whole name ({option})")
         return meant[0]
-    words = re.compile(_WORDS[role.split()[0]], re.IGNORECASE)
+    words = re.compile(WORDS[role.split()[0]], re.IGNORECASE)
     named = [n for n in names if words.search(n.rsplit("/", 1)[-1])]
     if len(named) == 1 and (len(names) > 1 or role != "body if named so"):
         return named[0]

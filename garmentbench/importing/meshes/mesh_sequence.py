@@ -26,6 +26,7 @@ class MeshSequence:
         counted: `times` are numbers of frames, as in PC2 and in names of OBJ files.
         pins: Vertices held fast to the body, shape (P,), int32.
         numbers: Each vertex's number in the file, shape (V,); None where all are there.
+        beside: Names of the other meshes of its file.
         notes: What was done to it while reading, e.g. "12 quads cut into triangles".
         files: The files that it was read from.
     """
@@ -42,6 +43,7 @@ class MeshSequence:
     counted: bool = False
     pins: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int32))
     numbers: np.ndarray | None = None
+    beside: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     files: tuple[Path, ...] = ()
 

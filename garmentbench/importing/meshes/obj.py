@@ -8,10 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from garmentbench.importing.meshes.choosing import choose_part, role_of
+from garmentbench.importing.meshes.choosing import choose_part
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence, checked_faces, refusal
 from garmentbench.importing.meshes.obj_text import ObjMesh, ObjText
 from garmentbench.importing.meshes.polygons import triangulate, what_was_cut
+from garmentbench.scenes.roles import are_two_things
 from garmentbench.storage.atomic import written_whole
 
 Step = Callable[[], None]
@@ -113,7 +114,7 @@ def _chosen(
 ) -> tuple[np.ndarray | None, tuple[str, ...]]:
     """Which polygons are meant, shape (P,), None for all of them; and notes on what is left out, or taken as one."""
     names, of = mesh.objects, mesh.object_of
-    if len(names) < 2 and len(mesh.groups) > 1 and (prim or _are_two_things(mesh.groups)):
+    if len(names) < 2 and len(mesh.groups) > 1 and (prim or are_two_things(mesh.groups)):
         names, of = mesh.groups, mesh.group_of
     if len(names) < 2 and not prim:
         several = f"groups taken as one mesh: {_listed(mesh.groups)}"
@@ -128,11 +129,6 @@ def _chosen(
     left = [name for k, name in enumerate(names) if k not in chosen]
     notes = (f"object '{', '.join(names[k] for k in chosen)}' read, left out: {_listed(left)}",) if left else ()
     return np.isin(of, chosen), notes
-
-
-def _are_two_things(names: tuple[str, ...]) -> bool:
-    """Does one name say garment, and another body?"""
-    return {"garment", "body"} <= {role_of(name) for name in names}
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -61,7 +61,7 @@ def read_isolated(path: Path, prim: str, role: str) -> MeshSequence | None:
         arrays = {name: np.load(file) for name in _ARRAYS if (file := Path(folder) / f"{name}.npy").is_file()}
     if not arrays:
         return None
-    return MeshSequence(**arrays, **values | {"notes": tuple(values["notes"])}, files=(path,))
+    return MeshSequence(**arrays, **values | {name: tuple(values[name]) for name in ("beside", "notes")}, files=(path,))
 
 
 def _child(path: Path, prim: str, role: str, folder: Path) -> None:
@@ -73,7 +73,7 @@ def _child(path: Path, prim: str, role: str, folder: Path) -> None:
     try:
         mesh = _read(path, prim, role)
         if mesh is not None:
-            values = {name: getattr(mesh, name) for name in ("name", "fps", "unit", "up", "notes")}
+            values = {name: getattr(mesh, name) for name in ("name", "fps", "unit", "up", "beside", "notes")}
             for name in _ARRAYS:
                 if getattr(mesh, name) is not None:
                     np.save(folder / f"{name}.npy", getattr(mesh, name))

@@ -5,6 +5,7 @@ process of its own.
 """
 
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -35,7 +36,9 @@ def read_usd(path: Path, prim: str, role: str) -> MeshSequence | None:
             found = f"has no polygon mesh, wanted one; what it has is not read: {', '.join(unread[:8])}"
             raise refusal(path, found, "export the meshes with their faces")
         name = choose(path, list(meshes), prim, role)
-        return None if name is None else _mesh(path, stage, meshes[name], baked, unread)
+        if name is None:
+            return None
+        return replace(_mesh(path, stage, meshes[name], baked, unread), beside=tuple(n for n in meshes if n != name))
     except Tf.ErrorException as e:
         raise refusal(path, f"damaged, or no USD file ({_reason(e)})", _AGAIN) from e
 

@@ -42,6 +42,27 @@ f 5/5 6/6 7/7 8/8
 """
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "listed"),
+    [
+        ("g left\n", "o shirt\n", "shirt, body"),
+        ("g left\n", "", "(without a name), body"),
+        ("g left\n", "g shirt\n", "shirt, body"),
+    ],
+)
+def test_two_objects_are_no_garment(home, capsys, old, new, listed):
+    """A shirt and a body in one file were one cloth; groups are two things only where their names say so."""
+    kind = "g" if "g shirt" in new else "o"
+    text = PANELS.replace(old, new).replace("g right band\n", f"{kind} body\n")
+    (home / "two.obj").write_text(text)
+    code, _, err = typed(capsys, "simulate", "--garment", "two.obj", "--frames", "4", "--preset", "smoke")
+    assert code == 1 and f"two.obj: holds 2 objects ({listed}), wanted one garment; `garmentbench check" in err
+    if "shirt" in new and kind == "o":
+        assert "--mesh 'shirt' --fix OUT.npz" in err
+        assert typed(capsys, "check", "two.obj", "--mesh", "shirt", "--fix", "one.npz", "--make-uv")[0] in (0, 1)
+        assert read_garment("one", MeshFile(str(home / "one.npz"))).faces.shape == (2, 3)
+
+
 @pytest.fixture
 def home(tmp_path, monkeypatch):
     """The working folder, an exported body and a poncho in it."""

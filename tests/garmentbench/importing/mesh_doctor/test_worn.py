@@ -42,6 +42,21 @@ def test_all_our_garments_are_worn_by_all_bodies(name):
     assert not is_worn(replace(mesh, vertices=mesh.vertices + [2, 0, 0]), BODY)
 
 
+@pytest.mark.parametrize("bottom", [1.6, 1.8, 2.0])
+@pytest.mark.parametrize("width", [0.3, 0.4])
+def test_a_tube_over_the_crown_is_not_worn(bottom, width):
+    """The head, which ends at 1.84 m, is in its lower opening only; a scarf's upper one ends at the nose."""
+    scaled = SKIRT.vertices / np.ptp(SKIRT.vertices, axis=0) * [width, width, 0.3]
+    assert not is_worn(replace(SKIRT, vertices=scaled + [0, 0, bottom + 0.15]), BODY)
+    assert is_worn(replace(SKIRT, vertices=scaled * [1, 1, 0.7] + [0, 0, 1.5]), BODY)
+
+
+@pytest.mark.parametrize("name", ["dress", "tshirt", "bodysuit", "pleated_skirt"])
+@pytest.mark.parametrize("factor", [0.39, 0.3937, 0.3])
+def test_a_garment_far_too_small_is_not_worn_round_a_leg(name, factor):
+    assert not is_worn(mesh_of(load_garment(name, "smoke")).scaled(factor), BODY)
+
+
 def test_what_would_bring_it_on_is_found():
     assert is_worn(WORN, BODY) and not is_worn(SKIRT, BODY)
     moved = replace(WORN, vertices=WORN.vertices + [-1.5, 0, 0])

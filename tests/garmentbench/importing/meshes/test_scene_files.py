@@ -3,6 +3,8 @@
 And what damages them.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from exchange_example import MESHES, SEQUENCE
@@ -10,12 +12,13 @@ from exchange_example import MESHES, SEQUENCE
 from garmentbench.errors import UserError
 from garmentbench.importing.meshes.choosing import choose
 from garmentbench.importing.meshes.reading import read_both, read_meshes
+from garmentbench.importing.sequences import _left_out
 
 CLOTH, BODY = MESHES["garment"], MESHES["body"]
 SHIFT = np.array([1.0, 2.0, 3.0])
 
 
-def usd(path, unit=0.01, up="Y", changing=False, uv="faceVarying"):
+def usd(path, unit=0.01, up="Y", changing=False, uv="faceVarying", more=()):
     """A stage as a DCC tool writes it: a moving parent, quads, a clockwise mesh, a rate of 25."""
     pxr = pytest.importorskip("pxr", reason="usd-core is an extra")
     from pxr import Gf, Sdf, Usd, UsdGeom, Vt
@@ -28,7 +31,7 @@ def usd(path, unit=0.01, up="Y", changing=False, uv="faceVarying"):
     stage.SetTimeCodesPerSecond(50)
     above = UsdGeom.Xform.Define(stage, "/world")
     move = above.AddTranslateOp()
-    for name, mesh in (("tunic", CLOTH), ("avatar", BODY)):
+    for name, mesh in (("tunic", CLOTH), ("avatar", BODY), *((other, BODY) for other in more)):
         prim = UsdGeom.Mesh.Define(stage, f"/world/{name}")
         faces = mesh.faces[:, ::-1]
         prim.CreateOrientationAttr(UsdGeom.Tokens.leftHanded)
@@ -95,7 +98,7 @@ def test_which_mesh_is_meant(tmp_path):
         choose(tmp_path, [], "", "garment")
 
 
-def alembic(path):
+def alembic(path, more=()):
     """An archive with a moving parent and a rate of 25, listed clockwise as Alembic's meshes are."""
     pytest.importorskip("alembic3d", reason="alembic3d is an extra")
     import imath
@@ -108,10 +111,10 @@ def alembic(path):
         sample = AbcGeom.XformSample()
         sample.setTranslation(imath.V3d(*(SHIFT * t)))
         parent.getSchema().set(sample)
-    schema = AbcGeom.OPolyMesh(parent, "shirt", rate).getSchema()
     faces, uv = CLOTH.faces[:, ::-1].ravel(), CLOTH.corner_uv[:, ::-1].reshape(-1, 2)
     by_corner = AbcGeom.OV2fGeomParamSample(filled(imath.V2fArray, uv), AbcGeom.GeometryScope.kFacevaryingScope)
-    for frame in SEQUENCE.garment:
+    schemas = [AbcGeom.OPolyMesh(parent, name, rate).getSchema() for name in ("shirt", *more)]
+    for schema, frame in ((schema, frame) for schema in schemas for frame in SEQUENCE.garment):
         counts = filled(imath.IntArray, np.full(len(CLOTH.faces), 3))
         schema.set(
             AbcGeom.OPolyMeshSchemaSample(
@@ -133,6 +136,19 @@ def test_alembic_of_alembic3d(tmp_path):
     np.testing.assert_array_equal(mesh.faces, CLOTH.faces)
     np.testing.assert_allclose(mesh.corner_uv, CLOTH.corner_uv, atol=1e-6)
     assert (mesh.fps, mesh.unit, mesh.up, mesh.name) == (25.0, None, None, "shirt")
+
+
+@pytest.mark.parametrize("write", [usd, alembic])
+def test_meshes_that_are_neither_garment_nor_body_are_named(tmp_path, write):
+    """From one file with a body in it, and beside a body of its own file."""
+    more = ("chair", "lamp") if write is usd else ("avatar", "chair", "lamp")
+    file, name = str(write(tmp_path / ("a.usdc" if write is usd else "a.abc"), more=more)), "tunic"
+    cloth, body = read_both((file, None, name if write is usd else "shirt"), ("", None, ""))
+    assert body is not None and len(cloth.beside) == len(body.beside) == 3
+    line = f"meshes of {file} that are not read: /world/chair, /world/lamp"
+    assert _left_out(cloth, body) == [line]
+    assert _left_out(cloth, replace(BODY, files=(tmp_path / "b.obj",))) == [line.replace(": ", ": /world/avatar, ")]
+    assert _left_out(CLOTH, BODY) == []
 
 
 @pytest.mark.parametrize("write", [usd, alembic])
