@@ -119,9 +119,6 @@ def import_meshes(garment: MeshSequence, body: MeshSequence | None, wanted: Want
     garment, body = pair.garment, pair.body
     found = find_conventions(garment, body, replace(wanted.given, fps=pair.fps), wanted.kind == HUMAN)
     count = _frame_count(garment, body, wanted.frames)
-    check_frames(garment, count)
-    if body is not None:
-        check_frames(body, count, skin)
     mesh = vertex_uv(garment, wanted.make_uv)
     notes = [
         *found.assumed,
@@ -132,6 +129,7 @@ def import_meshes(garment: MeshSequence, body: MeshSequence | None, wanted: Want
         *(f"garment: {note}" for note in mesh.notes),
     ]
     frames = placed_frames(garment, mesh.origin, found.unit[0], found.up[0], count)
+    check_frames(garment, count)
     rest, turned = placed_rest(garment, mesh.origin, found.unit[0], found.up[0], frames[0])
     seams = seam_pairs(mesh.origin, mesh.faces, rest, frames)
     pins = np.flatnonzero(np.isin(mesh.origin, garment.pins)).astype(np.int32)
@@ -143,6 +141,7 @@ def import_meshes(garment: MeshSequence, body: MeshSequence | None, wanted: Want
     template, moving = None, None
     if body is not None:
         template, moving, lines, flipped = _body(body, found, wanted, count)
+        check_frames(body, count, skin)
         cloth, template, hand = _handed(cloth, template, frames, moving, flipped)
         notes += lines + hand + _far(frames[0], moving[0])
     else:
