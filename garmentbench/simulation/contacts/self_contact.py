@@ -54,15 +54,16 @@ class SelfContact:
         self.untangling = Untangling(fabric, cloth, n, self.pairs, device)
         self.owners = self.pairs + self.untangling.owners
 
-    def search(self, time: float) -> None:
-        """Broad phase: what may touch in the next `time` seconds."""
+    def search(self, time: float, untangle: bool) -> None:
+        """Broad phase: what may touch in the next `time` seconds; `untangle`: and what is crossed."""
         cloth, n = self.cloth, self.candidates
         self._launch(take_drift, 1, [cloth, n])
         self._launch(sweep, self.faces, [cloth, n, self.physics, time])
         self._tree.refit()
         self._launch(clear, self.pairs, [n])
         self._launch(search, self.faces, [self._tree.id, cloth, n, self.physics, time])
-        self.untangling.search(self._tree)
+        if untangle:
+            self.untangling.search(self._tree)
 
     def find(self, contacts: ContactList, interval: float) -> None:
         """Narrow phase: how many contacts each owner has in the next `interval` seconds."""

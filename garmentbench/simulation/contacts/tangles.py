@@ -16,8 +16,8 @@ from garmentbench.simulation.contacts.geometry import face_normal, has
 from garmentbench.simulation.contacts.listing import ContactList
 from garmentbench.simulation.kernels import Cloth
 
-OLD = wp.constant(2)  # broad phases that a crossing lasts before it is taken for one that contact doesn't bring back
-SPEED = wp.constant(1.0)  # [m/s] at which an edge is led out of a face
+OLD = wp.constant(2)  # times that a crossing is seen before it is taken for one that contact doesn't bring back
+SPEED = wp.constant(0.5)  # [m/s] at which an edge is led out of a face: by less than the body holds it off with
 CLEAR = wp.constant(0.2)  # length of the direction beyond which it is followed in earnest
 STEEP = wp.constant(0.1)  # least sine of the angle between edge and face that is counted with
 
@@ -28,7 +28,7 @@ class Tangles:
 
     beside: wp.array[wp.vec2i]  # faces of an edge; -1: none
     face: wp.array[int]  # that an edge goes through; -1: none
-    age: wp.array[int]  # broad phases for which it has gone through one
+    age: wp.array[int]  # times that it has been seen to go through one, in a row
     caught: wp.array[int]  # 1: a particle of an edge that has long gone through a face, or of such a face
 
 
@@ -62,7 +62,9 @@ def look(tree: wp.uint64, c: Cloth, n: Candidates, t: Tangles):
     i = wp.tid()
     mine = n.own_edges[i]
     found = wp.vec3i(-1, -1, -1)
-    query = wp.bvh_query_aabb(tree, n.lower[i], n.upper[i])
+    own = n.faces[i]
+    a, b, g = c.x[own[0]], c.x[own[1]], c.x[own[2]]
+    query = wp.bvh_query_aabb(tree, wp.min(wp.min(a, b), g), wp.max(wp.max(a, b), g))
     j = int(0)
     while wp.bvh_query_next(query, j):
         f = n.faces[j]
