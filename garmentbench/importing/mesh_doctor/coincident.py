@@ -51,7 +51,7 @@ def gaps(mesh: Mesh, tolerance: float | None = None) -> Gaps:
     a, b, c, d = (mesh.faces.ravel()[side] for side in (first, _after(first), second, _after(second)))
     swapped = place[mesh.point[a]] != place[mesh.point[c]]
     c, d = np.where(swapped, d, c), np.where(swapped, c, d)
-    same = same_uv(mesh, a, c) & same_uv(mesh, b, d)
+    same = same_flat(mesh, a, c) & same_flat(mesh, b, d)
     joins = np.concatenate([np.stack([a, c], axis=1), np.stack([b, d], axis=1)])
     joins = np.unique(joins[mesh.point[joins[:, 0]] != mesh.point[joins[:, 1]]], axis=0)
     closed = components(len(mesh.vertex), mesh.point[joins])
@@ -75,13 +75,15 @@ def _after(side: np.ndarray) -> np.ndarray:
     return np.where(side % 3 == 2, side - 2, side + 1)
 
 
-def same_uv(mesh: Mesh, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Do vertices a and b, shape (N,), have the same UV, or none? Shape (N,)."""
-    if mesh.uv is None:
-        return np.ones(len(a), bool)
-    known = mesh.uv[np.isfinite(mesh.uv)]
-    extent = known.max(initial=0.0) - known.min(initial=0.0)
-    return ~(np.abs(mesh.uv[a] - mesh.uv[b]).max(axis=1) > SAME_UV * extent)
+def same_flat(mesh: Mesh, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Do vertices a and b, shape (N,), have the same UV, or none, and the same place in the pattern? Shape (N,)."""
+    same = np.ones(len(a), bool)
+    for flat in (mesh.uv, mesh.cut):
+        if flat is not None:
+            known = flat[np.isfinite(flat)]
+            extent = known.max(initial=0.0) - known.min(initial=0.0)
+            same &= ~(np.abs(flat[a] - flat[b]).max(axis=1) > SAME_UV * extent)
+    return same
 
 
 def _still_doubled(mesh: Mesh, place: np.ndarray, closed: np.ndarray) -> np.ndarray:

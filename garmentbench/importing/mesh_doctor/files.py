@@ -27,9 +27,12 @@ from garmentbench.storage.atomic import written_whole
 from garmentbench.storage.npz import read_arrays
 
 MESH_FILES = (".obj", ".ply", ".npz")
-_WANTED = "a garment: rest (V, 3) and faces (F, 3), and as far as there are any uv (V, 2), seams (S, 2), pins (P,)"
+_WANTED = (
+    "a garment: rest (V, 3), faces (F, 3), and as far as there are any uv (V, 2), seams (S, 2), pins (P,), cut (V, 2)"
+)
 _AGAIN = "write it again with numpy.savez_compressed, or export OBJ"
 _SHAPES = {"rest": ("f", (3,)), "faces": ("iu", (3,)), "uv": ("f", (2,)), "seams": ("iu", (2,)), "pins": ("iu", ())}
+_SHAPES["cut"] = ("f", (2,))
 
 
 def is_mesh_file(path: Path) -> bool:
@@ -61,6 +64,7 @@ def mesh_of(garment: Garment) -> Mesh:
         garment.seams.astype(np.int64),
         garment.pins.astype(np.int64),
         says_seams=True,
+        cut=None if garment.cut is None else garment.cut.astype(np.float64),
     )
 
 
@@ -148,7 +152,7 @@ def _garment_file(path: Path) -> Mesh:
         if array is not None and (array.dtype.kind not in kinds or array.shape[1:] != width or array.ndim < 1):
             raise UserError(f"{path}: {name} is {array.dtype} of shape {array.shape}, wanted {_WANTED}; {_AGAIN}")
     rest = arrays["rest"].astype(np.float64)
-    uv = arrays["uv"].astype(np.float64) if "uv" in arrays else None
+    uv, cut = (arrays[name].astype(np.float64) if name in arrays else None for name in ("uv", "cut"))
     indices = {n: arrays.get(n, np.zeros((0, *_SHAPES[n][1]))).astype(np.int64) for n in ("faces", "seams", "pins")}
     for name, array in indices.items():
         if array.size and not 0 <= array.min() <= array.max() < len(rest):
@@ -156,11 +160,12 @@ def _garment_file(path: Path) -> Mesh:
             raise UserError(f"{path}: {found}; {_AGAIN}")
     if not len(indices["faces"]):
         raise UserError(f"{path}: has no faces, wanted {_WANTED}; {_AGAIN}")
-    if uv is not None and len(uv) != len(rest):
-        raise UserError(f"{path}: uv has {len(uv)} rows, rest has {len(rest)}, wanted {_WANTED}; {_AGAIN}")
+    for name, array in (("uv", uv), ("cut", cut)):
+        if array is not None and len(array) != len(rest):
+            raise UserError(f"{path}: {name} has {len(array)} rows, rest has {len(rest)}, wanted {_WANTED}; {_AGAIN}")
     notes = {k: str(a) for k, a in arrays.items() if k not in _SHAPES and a.ndim == 0 and a.dtype.kind == "U"}
     return Mesh(
-        path.stem, rest, indices["faces"], uv, np.arange(len(rest)), indices["seams"], indices["pins"], True, notes
+        path.stem, rest, indices["faces"], uv, np.arange(len(rest)), indices["seams"], indices["pins"], True, notes, cut
     )
 
 
@@ -190,7 +195,9 @@ def write_mesh(path: Path, mesh: Mesh) -> list[str]:
     uv = uv if has_uv else None
     points = mesh.points.astype(np.float32)
     obj.write_template(path, MeshSequence(mesh.name, points[None], mesh.corners.astype(np.int32), uv))
-    return [f"left out {counted(len(mesh.pins), 'pin')}: OBJ has no place for them, .npz has"] if len(mesh.pins) else []
+    left_out = [counted(len(mesh.pins), "pin")] if len(mesh.pins) else []
+    left_out += [] if mesh.cut is None else ["the flat pattern (cut)"]
+    return [f"left out {' and '.join(left_out)}: OBJ has no place for them, .npz has"] if left_out else []
 
 
 def _write_npz(path: Path, mesh: Mesh) -> None:
@@ -203,6 +210,7 @@ def _write_npz(path: Path, mesh: Mesh) -> None:
         "uv": mesh.uv.astype(np.float32),
         "seams": mesh.seams.astype(np.int32),
         "pins": mesh.pins.astype(np.int32),
+        **({} if mesh.cut is None else {"cut": mesh.cut.astype(np.float32)}),
         **mesh.notes,
     }
     with written_whole(path) as partial, partial.open("wb") as file:

@@ -25,6 +25,8 @@ class Mesh:
         numbers: Each vertex's number in the file, from 0, shape (V,); two vertices that a UV seam splits may share one.
         says_seams: The file's format has a place for seams, so those that it does not name are missing.
         notes: Licence and provenance, carried along.
+        cut: Where each vertex lies in the flat pattern, in the file's unit, shape (V, 2), float64; None where the file
+            has none.
     """
 
     name: str
@@ -36,6 +38,7 @@ class Mesh:
     pins: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
     says_seams: bool = False
     notes: dict[str, str] = field(default_factory=dict)
+    cut: np.ndarray | None = None
 
     @property
     def required_uv(self) -> np.ndarray:
@@ -76,7 +79,7 @@ class Mesh:
 
     def scaled(self, factor: float) -> "Mesh":
         """The same mesh in another unit."""
-        return replace(self, vertices=self.vertices * factor)
+        return replace(self, vertices=self.vertices * factor, cut=None if self.cut is None else self.cut * factor)
 
     def compact(self) -> "Mesh":
         """Only the vertices that faces use, in their order."""
@@ -94,6 +97,7 @@ class Mesh:
             numbers=self.numbers[used],
             seams=number[seams],
             pins=pins[pins >= 0],
+            cut=None if self.cut is None else self.cut[used],
         )
 
     def _rejoined(self, used: np.ndarray, points: np.ndarray) -> np.ndarray:

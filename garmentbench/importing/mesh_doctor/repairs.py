@@ -8,7 +8,7 @@ from garmentbench.errors import UserError
 from garmentbench.geometry.unwrap import unwrap
 from garmentbench.importing.mesh_doctor import shape, uv
 from garmentbench.importing.mesh_doctor.body import Wearer, push_out
-from garmentbench.importing.mesh_doctor.coincident import gaps, same_uv
+from garmentbench.importing.mesh_doctor.coincident import gaps, same_flat
 from garmentbench.importing.mesh_doctor.mesh import Mesh
 from garmentbench.importing.mesh_doctor.orientation import inward_patches
 from garmentbench.importing.mesh_doctor.shape import FLAT, POINT, heights
@@ -16,6 +16,8 @@ from garmentbench.importing.mesh_doctor.topology import components, doubles, rep
 from garmentbench.importing.mesh_doctor.worn import is_worn
 from garmentbench.importing.meshes.conventions import UNITS, converter
 from garmentbench.importing.text import counted
+
+_NO_CUT, _AT_REST = "left out the flat pattern (cut)", "the cloth is at rest as it is put on"
 
 
 def mend(
@@ -47,6 +49,9 @@ def mend(
     if broken:
         raise UserError(f"{mesh.name}: {broken[0].problem}")
     mesh, lines = _to_metres(mesh, units)
+    if mesh.cut is not None and not np.isfinite(mesh.cut).all():
+        mesh = replace(mesh, cut=None)
+        lines.append(f"{_NO_CUT}, which is not finite: {_AT_REST}")
     if up != "z" or any(shift):
         mesh = replace(mesh, vertices=mesh.vertices @ converter(1.0, up).T + np.array(shift))
         moved = f"moved by ({', '.join(f'{x:g}' for x in shift)}) m" if any(shift) else ""
@@ -100,11 +105,15 @@ def _new_uv(mesh: Mesh) -> tuple[Mesh, list[str]]:
         numbers=mesh.numbers[mesh.vertex][made.source],
         seams=made.seams.astype(np.int64),
         pins=np.flatnonzero(pinned),
+        cut=None,
     )
     charts = len(np.unique(uv.charts(new)))
-    return new, [
+    lines = [
         f"made a UV map by xatlas: {counted(charts, 'chart')}, {counted(len(made.seams), 'vertex', 'vertices')} split"
     ]
+    if mesh.cut is not None:
+        lines.append(f"{_NO_CUT}, whose panels are parted elsewhere: {_AT_REST}")
+    return new, lines
 
 
 Done = tuple[Mesh, list[str]]
@@ -177,7 +186,7 @@ def weld_gaps(mesh: Mesh, tolerance: float | None = None) -> Done:
     joins = _without_new_fins(mesh, found.joins)
     if not len(joins):
         return mesh, []
-    same = same_uv(mesh, *joins.T)
+    same = same_flat(mesh, *joins.T)
     sewn = replace(mesh, seams=np.concatenate([mesh.seams, joins[~same]]))
     mended = _merged(sewn, joins[same])
     joined = np.isin(mended.point, mended.point[joins])[:, None]

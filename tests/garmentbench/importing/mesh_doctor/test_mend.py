@@ -9,10 +9,12 @@ from faulty_meshes import COLUMNS, at, ball, more, moved, parted, tube, with_uv
 from garmentbench.errors import UserError
 from garmentbench.importing.mesh_doctor.body import of_body
 from garmentbench.importing.mesh_doctor.examine import examine
-from garmentbench.importing.mesh_doctor.files import mesh_of
+from garmentbench.importing.mesh_doctor.files import mesh_of, read_mesh, write_mesh
 from garmentbench.importing.mesh_doctor.mesh import Mesh
 from garmentbench.importing.mesh_doctor.repairs import mend
+from garmentbench.scenes.garment_file import read_garment
 from garmentbench.scenes.garments import load_garment
+from garmentbench.scenes.scene import MeshFile
 
 CLEAN = tube()
 INNER = at(10, 10)
@@ -52,6 +54,48 @@ def soup(mesh: Mesh) -> Mesh:
 def test_a_clean_mesh_is_left_alone():
     mended, lines = mend(CLEAN, BALL, make_uv=True)
     assert lines == [] and same(mended, CLEAN)
+
+
+def with_cut(mesh: Mesh) -> Mesh:
+    """With a pattern: the tube unrolled, a tenth wider."""
+    return replace(mesh, cut=mesh.uv * [1.1, 0.7])
+
+
+def test_the_flat_pattern_is_kept(tmp_path):
+    """What was mended had lost its cut, and with it the garment's ease."""
+    clean = with_cut(CLEAN)
+    mended, lines = mend(replace(clean, faces=np.concatenate([clean.faces, clean.faces[:1]])))
+    assert lines == ["removed 1 face that lay on another"]
+    np.testing.assert_array_equal(mended.cut, clean.cut)
+    assert write_mesh(tmp_path / "tube.npz", mended) == []
+    np.testing.assert_allclose(read_mesh(tmp_path / "tube.npz").cut, mended.cut, atol=1e-7)
+    assert read_garment("tube", MeshFile(str(tmp_path / "tube.npz"))).cut is not None
+    assert "left out the flat pattern (cut): OBJ" in write_mesh(tmp_path / "tube.obj", mended)[0]
+    inches = clean.scaled(1 / 0.0254)
+    np.testing.assert_allclose(mend(inches, units="in")[0].cut, clean.cut)
+
+
+def test_vertices_that_go_take_their_place_in_the_pattern_along():
+    mesh = more(CLEAN, [[0, 0, 0]], [], [[0, 0]])
+    mended, _ = mend(replace(mesh, cut=mesh.uv * 2.0))
+    np.testing.assert_array_equal(mended.cut, CLEAN.uv * 2.0)
+
+
+def test_borders_that_are_apart_in_the_pattern_are_sewn_and_not_welded():
+    mesh = parted(CLEAN, 12, sewn=False)
+    lower = np.arange(len(mesh.vertices)) >= len(CLEAN.vertices)
+    mended, lines = mend(replace(mesh, cut=mesh.uv + 2.0 * lower[:, None]))
+    assert f"(0 welded, {COLUMNS + 1} sewn across UV seams)" in lines[0]
+    assert len(mended.cut) == len(mended.vertices) == len(mesh.vertices)
+
+
+def test_a_pattern_that_cannot_be_kept_is_told():
+    mended, lines = mend(replace(with_cut(CLEAN), uv=None), make_uv=True)
+    assert mended.cut is None and lines[1].startswith("left out the flat pattern (cut), whose panels are parted")
+    mended, lines = mend(replace(CLEAN, cut=np.full((len(CLEAN.vertices), 2), np.nan)))
+    assert mended.cut is None and lines == [
+        "left out the flat pattern (cut), which is not finite: the cloth is at rest as it is put on"
+    ]
 
 
 def test_unused_vertices_go_and_pins_and_seams_follow():
