@@ -10,6 +10,7 @@ from garmentbench.importing.motions.names import NameMap
 from garmentbench.importing.motions.recording import Recording, world
 from garmentbench.importing.motions.retarget import standing_height
 from garmentbench.importing.motions.skeleton import Upright
+from garmentbench.importing.text import counted
 from garmentbench.motion.clip import Clip
 from garmentbench.scenes.bodies import BakedBody, pose, pose_exact
 from garmentbench.storage.atomic import written_whole
@@ -18,6 +19,7 @@ _INSIDE = 0.02  # how deep a vertex must be to count: skin touches skin [m]
 _LOOKED_AT = 60  # frames
 _FASTEST = 15.0  # of a joint [m/s]: a thrown fist has 12
 _MOST_ARM_SPACE = 25.0  # [degrees] beyond which it is no longer the same motion
+_HARDLY = 15.0  # [%] of the frames that a foot stands in a motion of somebody on his feet; runners have 30
 _RATES = 12.0, 500.0  # frames a second of recordings: 15 of video at the least, 480 of the fastest cameras
 _UNEVEN = 0.05  # a difference between the feet that is worth a line [m]
 
@@ -35,10 +37,11 @@ def findings(imported: ImportedClip, baked: BakedBody) -> Iterator[str]:
         f"result: {len(clip)} frames at {clip.fps:g} a second on body {baked.body.name}; "
         f"left foot on the ground in {share[0]:.0f} %, right in {share[1]:.0f} %"
     )
-    for side, never in zip(("left", "right"), np.asarray(~clip.standing.any(axis=0)), strict=True):
-        if never:
+    for side, percent in zip(("left", "right"), share, strict=True):
+        if percent < _HARDLY:
+            how = f"hardly stands (in {percent:.0f} % of the frames)" if percent else "never stands"
             yield (
-                f"warning: the {side} foot never stands: right only for somebody who jumps or hops throughout; else "
+                f"warning: the {side} foot {how}: right only for somebody who jumps or hops throughout; else "
                 "the recording floats, sinks or jitters (look at --picture), or its rate is wrong (--recording-fps)"
             )
     slide, heights = foot_slide_cm(clip, baked), foot_heights_cm(clip, baked)
@@ -81,7 +84,7 @@ def _skeleton(imported: ImportedClip, recording: Recording, upright: Upright, na
     elif upright.mirrored is None:
         yield "handedness: right-handed axes assumed; it has no toes and no bent knees that would tell"
     if upright.dropped:
-        yield f"left out at the start: a rest pose and the jump from it ({upright.dropped} frames)"
+        yield f"left out at the start: a rest pose and the jump from it ({counted(upright.dropped, 'frame')})"
     yield (
         f"up: {upright.up}; unit: {upright.unit}"
         + (f", which makes the person {upright.height:.2f} m tall" if np.isfinite(upright.height) else "")
@@ -119,8 +122,9 @@ def _jumps(upright: Upright) -> Iterator[str]:
         first, last = (upright.start + f / recording.fps for f in (fast[0], fast[-1]))
         joint = recording.names[joints[speed[fast[0]].argmax()]]
         yield (
-            f"jumps: {len(fast)} frames from {first:.2f} to {last:.2f} s, {joint} first, at up to {speed.max():.0f} "
-            "m/s: faults of the recording; --start and --stop cut them off, before anything else is made of it"
+            f"warning: jumps: {counted(len(fast), 'frame')} from {first:.2f} to {last:.2f} s, {joint} first, at up to "
+            f"{speed.max():.0f} m/s: faults of the recording; --start and --stop cut them off, before anything else is "
+            "made of it"
         )
 
 

@@ -17,6 +17,7 @@ from garmentbench.scenes.bodies import BakedBody
 UNITS = {"metres": 1.0, "centimetres": 0.01, "millimetres": 0.001, "inches": 0.0254, "CMU's 5.64 cm": 0.0254 / 0.45}
 _AXES = {f"{sign}{name}": s * np.eye(3)[a] for a, name in enumerate("xyz") for sign, s in (("", 1.0), ("-", -1.0))}
 _UPRIGHT = 0.8  # how much of the way from feet to chest must be along the up axis
+_LEVEL = 0.4  # cosine between up and the lines from hip to hip and shoulder to shoulder of who stands
 _BONES = (("thigh", "calf"), ("calf", "foot"), ("upper_arm", "fore_arm"), ("fore_arm", "hand"))
 _ADULT = (1.2, 2.3)  # [m]
 _NO_MOTION = 12.0  # [m/s]: so fast no joint moves against the hips, but a rest pose before the motion makes it jump
@@ -98,7 +99,7 @@ def bring_upright(
         raise UserError(
             f"{path}: no axis is up: the chest is not above the feet; wanted somebody who stands most of the time"
         )
-    rest_up = _up_axis(world(rest)[1], joints)
+    rest_up = _rest_up(world(rest)[1], joints)
     _check_bones(positions, joints, path)
     mirrored = _is_mirrored(positions, joints, _AXES[up])
     turn = _turn_to_z(_AXES[up]) @ (_mirror(_AXES[up]) if mirrored else np.eye(3))
@@ -146,6 +147,19 @@ def _up_axis(positions: np.ndarray, joints: dict[str, int]) -> str:
     body = np.median(positions[:, joints["chest"]] - feet, axis=0)
     up = max(_AXES, key=lambda a: _AXES[a] @ body)
     return up if _AXES[up] @ body > _UPRIGHT * np.linalg.norm(body) else ""
+
+
+def _rest_up(positions: np.ndarray, joints: dict[str, int]) -> str:
+    """The axis along which a rest pose stands; "" where it is no person who stands: of some programs all bones lie
+    along one axis, of others it has no meaning."""
+    up = _up_axis(positions, joints)
+    if not up:
+        return ""
+    pairs = ("foot", "thigh", "upper_arm")
+    feet, hips, shoulders = (positions[0, [joints[f"{name}.{side}"] for side in "LR"]] for name in pairs)
+    legs, trunk = (unit(high.mean(axis=0) - low.mean(axis=0)) for low, high in ((feet, hips), (hips, shoulders)))
+    across = max(abs(unit(pair[0] - pair[1]) @ _AXES[up]) for pair in (hips, shoulders))
+    return up if min(legs @ _AXES[up], trunk @ _AXES[up]) > _UPRIGHT and across < _LEVEL else ""
 
 
 def _check_bones(positions: np.ndarray, joints: dict[str, int], where: Path) -> None:

@@ -65,6 +65,14 @@ def test_every_clip_of_the_folder_is_read():
     assert there == set(CLIPS) and {p.suffix for p in MOCAP.iterdir()} == {".bvh", ".amc", ".asf", ".md"}
 
 
+def test_a_rest_pose_of_no_person_says_nothing_of_up_and_feet_that_hardly_stand_are_told():
+    """Rokoko's bones all lie along x at rest; this clip, from video, floats."""
+    lines = list(findings(loaded("jesse_dance"), BASE))
+    assert not any("stands along" in line for line in lines)
+    assert sum("foot hardly stands (in" in line for line in lines) == 2
+    assert any(line.startswith("warning: uneven: the left foot stands 14 cm below") for line in lines)
+
+
 def test_a_walk_of_cmu_s_is_a_walk():
     """35_01, "walk": 3 s at a walking pace, on one foot or both, arms down, looking ahead."""
     clip = loaded("35_01").clip.from_origin(0)
