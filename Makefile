@@ -47,7 +47,7 @@ crosscheck: $(BIN)/.installed
 	$(RUN) evals crosscheck --preset $(PRESET)
 
 # One ablation and the full model beside it: make ablation-fixed-weights, -no-virtual-sample, -no-velocity, -no-force,
-# -pose-only, -no-collision, -linear-paths, -train-length.
+# -pose-only, -no-collision, -push-out, -linear-paths, -train-length.
 ablation-%: $(BIN)/.installed
 	$(RUN) evals ablation-$* --preset $(PRESET) --seeds $(SEEDS)
 

@@ -147,6 +147,18 @@ class Collision:
     """The collision stage at run time (section 5.1)."""
 
     enabled: bool = True
+    solver: str = "adam"
+    """"adam": the paper's residual map, optimised. "push" (ours): every vertex that is behind its plane is put before
+    it, and how far is smoothed over the cloth, in turn. On a laptop T-shirt disturbed smoothly by 7 mm (root mean
+    square) the map left 0.02 % of the vertices inside, moved them by 3.1 mm on average and changed edges by up to 13 %
+    (95th percentile); pushing left 0.002 %, moved 0.95 mm and changed edges by 3 %, in no more time. It uses
+    `trigger`, `threshold` and the next three."""
+    clearance: float = 5e-4
+    """How far before its plane "push" puts a vertex [m], since another plane may then be its nearest."""
+    rounds: int = 10
+    """Of smoothing and putting back, of "push"."""
+    passes: int = 2
+    """How often at most "push" does all this, with the planes that are then the nearest."""
     map_size: int = 128
     """Pixels a side of the residual displacement map."""
     trigger: str = "sum"
@@ -275,9 +287,11 @@ VARIANTS: dict[str, Callable[[Config], Config]] = {
         full, stage2=replace(full.stage2, garment=False, velocity=False, force=False, virtual_sample=False)
     ),
     "no_collision": lambda full: replace(full, collision=replace(full.collision, enabled=False)),
+    "push_out": lambda full: replace(full, collision=replace(full.collision, solver="push")),
     "linear_paths": _with_linear_paths,
 }
-"""The full model, its ablations, and what closed-form linear paths would add to it (ours, not the paper's).
+"""The full model, its ablations, and what another collision stage and closed-form linear paths would add to it (ours,
+not the paper's).
 
 Each changes the full model's configuration.
 """

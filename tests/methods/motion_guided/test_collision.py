@@ -8,6 +8,7 @@ from garmentbench.methods.motion_guided.body_surface import Planes
 from garmentbench.methods.motion_guided.collision import CollisionStage, Residual
 from garmentbench.methods.motion_guided.config import Collision
 from garmentbench.methods.motion_guided.frames import Pose
+from garmentbench.methods.motion_guided.push_out import neighbour_means
 
 
 @pytest.fixture
@@ -127,3 +128,25 @@ def test_adam_is_torchs(betas):
         adam.step()
         residual = residual.stepped(gradient.numpy(), 1e-3, betas)
     np.testing.assert_allclose(residual.map, parameter.detach(), atol=1e-8)
+
+
+def test_pushing_leaves_nothing_behind_and_changes_the_garment_less(trained, sequence, pressed):
+    garment, directions, body = pressed
+    pushing = _stage(trained, sequence, solver="push")
+    out, _ = pushing.resolve(garment, lambda: directions, body, Residual.none(16))
+    assert _share_inside(out, body, sequence) == 0
+    adam, _ = _stage(trained, sequence, steps=200).resolve(garment, lambda: directions, body, Residual.none(16))
+    moved, moved_by_adam = (np.linalg.norm(x - garment, axis=1) for x in (out, adam))
+    assert moved.max() < 0.9 * moved_by_adam.max()
+    assert moved[garment[:, 0] < -0.05].max() < 0.003
+    outside = garment * np.float32([1.5, 1.5, 1])
+    assert pushing.resolve(outside, lambda: directions, body, Residual.none(16))[0] is outside
+
+
+def test_copies_of_a_point_follow_alike_where_the_cloth_is_smoothed(trained, sequence):
+    means = neighbour_means(trained.canonical)
+    one, other = sequence.template.garment.seams.T
+    assert abs(means[one] - means[other]).max() == 0
+    np.testing.assert_allclose(means @ np.ones(90), np.ones(90), atol=1e-6)
+    row = means[20].toarray()[0]  # an inner vertex of the grid has six neighbours and itself
+    assert np.flatnonzero(row).tolist() == [4, 5, 19, 20, 21, 35, 36] and np.allclose(row[row > 0], 1 / 7)

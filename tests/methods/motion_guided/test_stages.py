@@ -37,6 +37,7 @@ def test_variants_share_all_stages_that_they_do_not_change(sequence, config, tmp
         "no_force": (1, 2, 5),
         "pose_only": (1, 2, 6),
         "no_collision": (1, 2, 6),
+        "push_out": (1, 2, 6),
         "linear_paths": (1, 3, 7),
     }
 
