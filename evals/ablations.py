@@ -2,7 +2,8 @@
 
 The first three follow figures 7, 8 and 10 of the paper, the training lengths are its Table 4. What guides the motion is
 taken away next: velocity and acceleration, the interaction force, all of the garment's past. "push-out" has another
-collision stage; "linear-paths" adds to the paper's blocks what makes them generalise like linear regression (both ours).
+collision stage; "linear-paths" adds to the paper's blocks what makes them generalise like linear regression. Both are
+ours.
 
 Training lengths keep the number of optimiser steps, as one does who compares what data are worth: 50 frames are seen
 120 times each at laptop size, 900 frames 6.7 times.
