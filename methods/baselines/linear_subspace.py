@@ -46,6 +46,7 @@ class LinearSubspace(CodeDynamics):
         """Read them back."""
         return cls(**load(folder / "linear_subspace.npz"))
 
-    def following(self, last: np.ndarray, before: np.ndarray, seen: np.ndarray) -> np.ndarray:
+    def following(self, memory: tuple[np.ndarray, ...], seen: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
         """The next code, shape (K,), by the linear map."""
-        return advance(self.dynamics, last, before, seen)
+        code = advance(self.dynamics, *memory, seen)
+        return code, (code, memory[0])

@@ -106,10 +106,11 @@ class SubspaceNetwork(CodeDynamics):
         net.load_state_dict(state)
         return cls(**arrays, net=net)
 
-    def following(self, last: np.ndarray, before: np.ndarray, seen: np.ndarray) -> np.ndarray:
+    def following(self, memory: tuple[np.ndarray, ...], seen: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
         """The next code, shape (K,), by the network."""
         with torch.inference_mode():
-            return self.net(*(torch.from_numpy(np.asarray(x, np.float32)) for x in (last, before, seen))).numpy()
+            code = self.net(*(torch.from_numpy(np.asarray(x, np.float32)) for x in (*memory, seen))).numpy()
+        return code, (code, memory[0])
 
 
 def fit_net(recordings: list[tuple[np.ndarray, np.ndarray]], config: Config, run: FitRun) -> Net:

@@ -71,10 +71,10 @@ def test_codes_stay_where_training_was_whatever_comes():
         for weight in method.net.layers.parameters():
             weight.mul_(50.0)
     rng = np.random.default_rng(0)
-    last, before = rng.normal(size=(2, len(method.garment.basis)))
+    memory = tuple(rng.normal(size=(2, len(method.garment.basis))))
     for _ in range(300):
-        last, before = method.following(last, before, 100 * rng.normal(size=len(method.body.basis))), last
-        assert np.linalg.norm(last / method.net.codes.numpy()) <= 1.0001 * method.net.reach.item()
+        code, memory = method.following(memory, 100 * rng.normal(size=len(method.body.basis)))
+        assert np.linalg.norm(code / method.net.codes.numpy()) <= 1.0001 * method.net.reach.item()
 
 
 def test_nothing_crosses_from_one_sequence_into_the_next():
