@@ -12,6 +12,8 @@ METHODS = {
     "linear_subspace": "garmentbench.methods.baselines.linear_subspace:LinearSubspace",
     "static_ridge": "garmentbench.methods.baselines.static_ridge:StaticRidge",
     "subspace_network": "garmentbench.methods.baselines.subspace_network:SubspaceNetwork",
+    "linear_memory": "garmentbench.methods.baselines.linear_memory:LinearMemory",
+    "pose_gru": "garmentbench.methods.baselines.pose_gru:PoseGru",
     "motion_guided": "garmentbench.methods.motion_guided:MotionGuided",
 }
 ENTRY_POINTS = "garmentbench.methods"  # the group by which an installed package offers its methods

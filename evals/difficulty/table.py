@@ -8,7 +8,7 @@ from garmentbench.report.lines import REFERENCE, Line
 from garmentbench.report.table import Cell, Table
 from garmentbench.scenes.training_sets import MARK, novelty
 
-STATIC, DYNAMIC = "static_ridge", ("linear_subspace", "subspace_network")
+STATIC, DYNAMIC = "static_ridge", ("linear_subspace", "linear_memory", "subspace_network", "pose_gru")
 METHODS = ("skinning", STATIC, *DYNAMIC)
 
 

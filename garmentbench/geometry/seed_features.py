@@ -3,7 +3,9 @@
 import numpy as np
 from jaxtyping import Float
 
-from garmentbench.geometry.seeds import SeedPoints
+from garmentbench.geometry.seeds import SeedPoints, seed_frames
+
+ARM = 0.1  # [m] how far from a seed lie the points by which its turn is told
 
 
 def root_map(seeds: SeedPoints, body: Float[np.ndarray, "body 3"]) -> Float[np.ndarray, "3 4"]:
@@ -37,3 +39,14 @@ def seed_features(
     root = root_map(seeds, bodies[-1])
     points = (bodies[:, seeds.vertices] - root[:, 3]) @ root[:, :3]  # rows times the turn: its inverse
     return (points - seeds.rest).ravel()
+
+
+def seed_turns(seeds: SeedPoints | None, body: Float[np.ndarray, "body 3"] | None) -> Float[np.ndarray, " features"]:
+    """How the seeds are turned against the root of a body [m], shape (B, 3): by how far points `ARM` along each seed's
+    tangent and normal have moved [m], shape (6 N,); empty where there is no body."""
+    if seeds is None:
+        return np.zeros(0)
+    assert body is not None, "seed points need the body's vertices"
+    _, rotation, _ = seed_frames(body, seeds)
+    turned = root_map(seeds, body)[:, :3].T @ rotation @ seeds.frames
+    return ARM * (turned - seeds.frames)[..., [0, 2]].ravel()

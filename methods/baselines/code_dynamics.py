@@ -28,9 +28,9 @@ class CodeDynamics(ABC):
     """Codes that are advanced frame by frame, to be given `following`. What is remembered between frames is the last
     two codes, unless `start` says otherwise."""
 
-    def __init__(self, seeds: np.ndarray, garment: Subspace, body: Subspace) -> None:
-        """seeds: body vertices, shape (N,)."""
-        self.seeds, self.garment, self.body = seeds, garment, body
+    def __init__(self, seeds: np.ndarray, garment: Subspace, body: Subspace, turns: bool = False) -> None:
+        """seeds: body vertices, shape (N,). turns: see `subspace.Sizes`."""
+        self.seeds, self.garment, self.body, self.turns = seeds, garment, body, turns
         self.skin_of = SkinOf(seeds, upright_objects=True)
 
     def start(self, last: np.ndarray, before: np.ndarray, seen: np.ndarray) -> Any:
@@ -63,4 +63,4 @@ class CodeDynamics(ABC):
 
     def _seen(self, skin: Skin, bodies: np.ndarray | None) -> np.ndarray:
         """The body's code in the last of some frames, shape (Q,)."""
-        return self.body.encode(features(skin, bodies, AGO))
+        return self.body.encode(features(skin, bodies, AGO, self.turns))

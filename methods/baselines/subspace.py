@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from garmentbench.geometry.blend_skinning import Skin
-from garmentbench.geometry.seed_features import seed_features
+from garmentbench.geometry.seed_features import seed_features, seed_turns
 from garmentbench.method import HISTORY
 from garmentbench.methods.baselines.held_out import kind
 from garmentbench.sequence import Sequence
@@ -52,11 +52,13 @@ class Subspace:
 
 @dataclass(frozen=True)
 class Sizes:
-    """seeds: The largest number of seed points. codes, body_codes: Sizes of the garment's and the body's subspace."""
+    """seeds: The largest number of seed points. codes, body_codes: Sizes of the garment's and the body's subspace.
+    turns: How the seeds are turned is told beside where they are."""
 
     seeds: int = 200
     codes: int = 64
     body_codes: int = 64
+    turns: bool = False
 
 
 @dataclass(frozen=True)
@@ -82,7 +84,7 @@ class Encoded:
         """Of training sequences; ago as for `features`. Seeds are chosen on the first body."""
         skin = Skin.of(train[0].template, sizes.seeds, upright_objects=True)
         seeds = np.zeros(0, np.int64) if skin.seeds is None else skin.seeds.vertices
-        known = [recorded(sequence, seeds, ago) for sequence in train]
+        known = [recorded(sequence, seeds, ago, sizes.turns) for sequence in train]
         garment = Subspace.of(np.concatenate([shapes for shapes, _ in known]), sizes.codes)
         body = Subspace.of(np.concatenate([seen for _, seen in known]), sizes.body_codes)
         recordings = [(garment.encode(shapes[HISTORY:]), body.encode(seen)) for shapes, seen in known]
@@ -106,7 +108,7 @@ def load(path: Path) -> dict[str, Any]:
 
 
 def recorded(
-    sequence: Sequence, seeds: Int[np.ndarray, " seeds"], ago: tuple[int, ...]
+    sequence: Sequence, seeds: Int[np.ndarray, " seeds"], ago: tuple[int, ...], turns: bool = False
 ) -> tuple[Float[np.ndarray, "frames coordinates"], Float[np.ndarray, "predicted features"]]:
     """What a sequence teaches: canonical displacements [m], shape (T, 3 V), and from the fourth frame on the body's
     features, shape (T - 3, D).
@@ -115,19 +117,21 @@ def recorded(
         sequence: The recording.
         seeds: Body vertices that the body is seen by, shape (N,).
         ago: How many frames before the present one the body is looked at, the present one (0) last.
+        turns: See `Sizes`.
     """
     skin = Skin.of(sequence.template, seeds, upright_objects=True)
     shapes = skin.displacement(sequence.body, sequence.garment)
     frames = range(HISTORY, len(sequence))
     bodies = [None if sequence.body is None else sequence.body[: t + 1] for t in frames]
-    return shapes.reshape(len(sequence), -1), np.array([features(skin, b, ago) for b in bodies])
+    return shapes.reshape(len(sequence), -1), np.array([features(skin, b, ago, turns) for b in bodies])
 
 
 def features(
-    skin: Skin, bodies: Float[np.ndarray, "frames body 3"] | None, ago: tuple[int, ...]
+    skin: Skin, bodies: Float[np.ndarray, "frames body 3"] | None, ago: tuple[int, ...], turns: bool = False
 ) -> Float[np.ndarray, " features"]:
-    """What is seen of the body in the last of some frames, shape (D,): see `seed_features`. Before the first of them
-    the body is taken to have stood there."""
+    """What is seen of the body in the last of some frames, shape (D,): see `seed_features`, and with `turns`
+    `seed_turns` of the last. Before the first of them the body is taken to have stood there."""
     if bodies is None:
         return seed_features(skin.seeds, None)
-    return seed_features(skin.seeds, bodies[[max(len(bodies) - 1 - k, 0) for k in ago]])
+    places = seed_features(skin.seeds, bodies[[max(len(bodies) - 1 - k, 0) for k in ago]])
+    return np.concatenate([places, seed_turns(skin.seeds, bodies[-1])]) if turns else places

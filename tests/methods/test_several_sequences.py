@@ -13,8 +13,9 @@ from garmentbench.methods import METHODS, load_method
 from garmentbench.methods.baselines.code_dynamics import AGO
 from garmentbench.methods.baselines.linear_subspace import LinearSubspace
 from garmentbench.methods.baselines.ridge_dynamics import transitions
+from garmentbench.methods.baselines.rollouts import TrainedDynamics
+from garmentbench.methods.baselines.rollouts import config_for as network_config
 from garmentbench.methods.baselines.subspace import Sizes, recorded
-from garmentbench.methods.baselines.subspace_network import config_for as network_config
 from garmentbench.methods.motion_guided.canonical import Canonical
 from garmentbench.methods.motion_guided.config import config_for
 from garmentbench.methods.motion_guided.generative import GenerativeModel
@@ -45,7 +46,7 @@ def wide(frames, scale=1.05):
 
 def few_steps(name):
     method = load_method(name)
-    if name == "subspace_network":
+    if issubclass(method, TrainedDynamics):
         return network_config("smoke")
     if name != "motion_guided":
         return method.Config()

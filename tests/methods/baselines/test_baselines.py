@@ -11,17 +11,18 @@ from garmentbench.evaluation.toy import tiny_sequence
 from garmentbench.geometry.blend_skinning import Skin, lift, place
 from garmentbench.method import BodyFrame, History
 from garmentbench.methods import load_method
-from garmentbench.methods.baselines.subspace_network import config_for
+from garmentbench.methods.baselines.rollouts import TrainedDynamics, config_for
 from garmentbench.metrics.l2 import l2
 from garmentbench.pipeline import training_run
 
-BASELINES = ("skinning", "hold", "constant_velocity", "linear_subspace", "static_ridge", "subspace_network")
+CLOSED_FORM = ("skinning", "hold", "constant_velocity", "linear_subspace", "static_ridge")
+BASELINES = (*CLOSED_FORM, "subspace_network", "linear_memory", "pose_gru")
 KINDS = ("human", "object", None)
 
 
 def fitted(name, train):
     method = load_method(name)
-    few = config_for("smoke") if name == "subspace_network" else method.Config()
+    few = config_for("smoke") if issubclass(method, TrainedDynamics) else method.Config()
     return method.fit((train,), few, training_run())
 
 
@@ -46,7 +47,7 @@ def rigid(sequence, offset=0.0):
     )
 
 
-@pytest.mark.parametrize("name", BASELINES[:5])
+@pytest.mark.parametrize("name", CLOSED_FORM)
 def test_what_moves_with_the_body_is_predicted_exactly(name):
     sequence = rigid(tiny_sequence(60))
     assert error_cm(fitted(name, sequence), sequence) < 1e-3
