@@ -26,16 +26,12 @@ def difficulty_table(lines: list[Line], title: str) -> Table:
             _cell(of(found, REFERENCE, "variation")), _cell(asked.spread), *errors, _cell(asked.floor),
             *map(_cell, asked.ratios), Cell(verdict(asked, chosen)),
         ])  # fmt: skip
-    return Table(
-        "difficulty",
-        title,
-        _caption(chosen, qualify),
-        ["scene", "what is new", "frames", "variation [cm]", "spread [cm]",
-         *(f"{m.replace('_', ' ')} [cm]" for m in METHODS), "PCA floor [cm]", "static / dynamic", "dynamic / floor",
-         "spread / dynamic", "good for"],
-        rows,
-        frozenset({0, 1, 13}),
-    )  # fmt: skip
+    header = [
+        "scene", "what is new", "frames", "variation [cm]", "spread [cm]",
+        *(f"{m.replace('_', ' ')} [cm]" for m in METHODS),
+        "PCA floor [cm]", "static / dynamic", "dynamic / floor", "spread / dynamic", "good for",
+    ]  # fmt: skip
+    return Table("difficulty", title, _caption(chosen, qualify), header, rows, frozenset({0, 1, len(header) - 1}))
 
 
 def headline_scenes(lines: list[Line]) -> list[str]:
