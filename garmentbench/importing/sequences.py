@@ -112,7 +112,7 @@ def import_meshes(garment: MeshSequence, body: MeshSequence | None, wanted: Want
     skin = wanted.kind == HUMAN
     if not wanted.other_template:
         odd = check_rest(garment) + ([] if body is None else check_rest(body, skin))
-    if body is not None and garment.frames.shape == body.frames.shape and np.array_equal(garment.still, body.still):
+    if body is not None and garment.frames.shape == body.frames.shape and _same(garment.still, body.still):
         do = "name the garment's file, or which of the meshes it is (--mesh, --body-mesh)"
         raise refusal(garment.where, "garment and body are the same mesh, wanted one worn by the other", do)
     pair = paired(garment, body, wanted.given.fps, wanted.same_start)
@@ -231,6 +231,11 @@ def _asked(asked: int | None, there: int) -> int:
     if asked is not None and not 1 <= asked <= there:
         raise UsageError(f"--frames is {asked}; the garment has {there}")
     return asked or there
+
+
+def _same(one: np.ndarray, other: np.ndarray) -> bool:
+    """Are these the same positions, but for what text rounds?"""
+    return bool(np.abs(one - other).max() < 1e-5 * np.ptp(one, axis=0).max())
 
 
 def _left_out(garment: MeshSequence, body: MeshSequence | None) -> list[str]:

@@ -89,7 +89,7 @@ def find_conventions(garment: MeshSequence, body: MeshSequence | None, given: Gi
     rates = garment.fps, garment.fps if still and garment.fps is not None else other.fps
     fps, about_fps = _decide("fps", (given.fps, given.fps), *rates, _no_rate)
     if given.fps is None and not min(fps) >= SLOWEST:
-        found = f"fps: the files say {min(fps):g} frames a second: are their times numbers of frames?"
+        found = f"fps: the files say {min(fps):g} frames a second: are their times milliseconds, or numbers of frames?"
         raise UserError(f"{found} Give --fps, e.g. --fps 30")
     if fps[0] != fps[1] and min(len(garment.frames), len(other.frames)) > 1:
         raise UserError(

@@ -91,6 +91,10 @@ def read_pc2(path: Path, template: MeshSequence) -> MeshSequence:
             *notes,
             f"its sampling of {sampling:g} is taken as one sample every {sampling:g} frames",
         )
+    if not np.isfinite(start):
+        notes = (*notes, f"its start of {start:g} means nothing: taken as 0")
+    if rate is None and step != sampling:
+        notes = (*notes, f"its sampling of {sampling:g} means nothing: taken as 1")
     times = (start if np.isfinite(start) else 0.0) + step * np.arange(samples)
     return with_template(path, frames, template, times, True, rate, notes)
 

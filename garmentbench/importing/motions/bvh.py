@@ -11,14 +11,15 @@ order marks, keywords in any case, comments (# or //).
 """
 
 import re
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from garmentbench.errors import UserError
-from garmentbench.importing.motions.recording import Recording, world
+from garmentbench.importing.motions.moving_joint import from_moving_joint
+from garmentbench.importing.motions.recording import Recording
 from garmentbench.importing.text import decoded
 
 LARGEST = 80e6  # bytes of a file: some eight minutes, which take 2 GB of memory
@@ -28,8 +29,6 @@ _FASTEST = 1000.0  # frames a second
 _HEAD = re.compile(r"\s*Frames:\s*(\S+)\s+Frame\s+Time:\s*(\S+)", re.IGNORECASE)
 _COMMENT = re.compile(r"(?:^|(?<=\s))(?:#|//).*$", re.MULTILINE)
 _RATES = (24, 25, 30, 48, 50, 60, 72, 90, 100, 120, 125, 144, 200, 240)  # of which frame times are the rounded inverse
-_MOVING = 0.01  # of the skeleton's size: a joint's position channels that vary by more are a path, not a bone
-_ALMOST_ALL = 0.8  # of the joints: what hangs from the joint that carries the motion
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 
 
@@ -179,8 +178,9 @@ def _motion(path: Path, text: str, channels: int, fps: float | None) -> tuple[np
         raise UserError(f"{path}: {head[1][:40]} frames; wanted at least one; {_REMAKE}")
     if fps is None and (period < 1 / _FASTEST or period > 10):
         raise UserError(
-            f"{path}: frame time is {period:g} s; wanted {1 / _FASTEST:g} to 10 s; say how many frames a second it has "
-            "with --recording-fps"
+            f"{path}: frame time is {period:g} s; wanted {1 / _FASTEST:g} to 10 s"
+            + (" (is it a rate, or milliseconds?)" if period > 10 else "")
+            + "; say how many frames a second it has with --recording-fps"
         )
     values, rows = _numbers(path, text[head.end() :], channels)
     whole = (
@@ -247,6 +247,7 @@ def _numbers(path: Path, text: str, channels: int) -> tuple[np.ndarray, int | No
 
 def _recording(joints: list[_Joint], values: np.ndarray, fps: float, notes: list[str]) -> Recording:
     frames = len(values)
+    notes += _radians(joints, values)
     offsets = np.array([j.offset for j in joints])
     rotations = np.tile(np.eye(3), (frames, len(joints), 1, 1))
     paths: dict[int, np.ndarray] = {}  # of joints with position channels, in the parent's frame, shape (T, 3)
@@ -265,62 +266,13 @@ def _recording(joints: list[_Joint], values: np.ndarray, fps: float, notes: list
             rotations[:, i] = Rotation.from_euler(axes, own[:, turns], degrees=True).as_matrix()
     parents = np.array([j.parent for j in joints])
     complete = Recording(tuple(j.name for j in joints), parents, offsets, rotations, paths[0], fps)
-    return _from_moving_joint(complete, paths, notes)
+    return from_moving_joint(complete, paths, notes)
 
 
-def _from_moving_joint(recording: Recording, paths: dict[int, np.ndarray], notes: list[str]) -> Recording:
-    """The recording with the joint as its root that carries the motion: the last one with a path of its own from which
-    almost the whole skeleton hangs."""
-    size = np.ptp(world(recording.rest_pose())[1][0], axis=0).max()
-    moving = [i for i, path in paths.items() if i and np.ptp(path, axis=0).max() > _MOVING * size]
-    below = {i: _below(recording.parents, i) for i in moving}
-    above = {i: _above(recording.parents, i) for i in moving}
-    carriers = [i for i in moving if len(below[i]) >= _ALMOST_ALL * (len(recording.names) - len(above[i]))]
-    root = carriers[-1] if carriers else 0
-    others = [i for i in moving if i not in carriers]
-    if others:
-        names = ", ".join(f"'{recording.names[i]}'" for i in others[:5]) + (" ..." if len(others) > 5 else "")
-        notes.append(f"position channels of {names} change a bone's length: their median is taken")
-    if root == 0:
-        return replace(recording, notes=tuple(notes))
-    turn, place = np.tile(np.eye(3), (len(recording), 1, 1)), np.zeros((len(recording), 3))
-    for i in reversed(above[root]):
-        place = place + (turn @ paths.get(i, np.tile(recording.offsets[i], (len(recording), 1)))[..., None])[..., 0]
-        turn = turn @ recording.rotations[:, i]
-    place = place + (turn @ paths[root][..., None])[..., 0]
-    axes = turn[0].T  # a turn of all that is above is a choice of axes, which are found out later
-    rotations = recording.rotations.copy()
-    rotations[:, root] = axes @ turn @ recording.rotations[:, root]
-    kept = below[root]
-    lost = [recording.names[i] for i in range(len(recording.names)) if i not in kept and i not in above[root]]
-    notes.append(
-        f"root: '{recording.names[root]}', whose path is its own, below '{recording.names[above[root][0]]}'"
-        + (f"; left out beside it: {', '.join(lost[:5])}" if lost else "")
-    )
-    number = {old: new for new, old in enumerate(kept)}
-    return Recording(
-        tuple(recording.names[i] for i in kept),
-        np.array([number.get(int(recording.parents[i]), -1) for i in kept]),
-        recording.offsets[kept],
-        rotations[:, kept],
-        place @ axes.T,
-        recording.fps,
-        tuple(notes),
-    )
-
-
-def _above(parents: np.ndarray, joint: int) -> list[int]:
-    """The joints above one, its parent first."""
-    out = []
-    while (joint := int(parents[joint])) >= 0:
-        out.append(joint)
-    return out
-
-
-def _below(parents: np.ndarray, joint: int) -> list[int]:
-    """A joint and all that hang from it, parents first."""
-    out = [joint]
-    for i in range(joint + 1, len(parents)):
-        if parents[i] in out:
-            out.append(i)
-    return out
+def _radians(joints: list[_Joint], values: np.ndarray) -> list[str]:
+    """A warning where no angle is ever larger than half a turn in radians."""
+    angles = values[:, [channel.endswith("rotation") for joint in joints for channel in joint.channels]]
+    if not angles.size or not 0.1 < np.abs(angles).max() < 3.15:  # a pose of zeros has none
+        return []
+    most = f"{np.abs(angles).max():.3g}"
+    return [f"warning: no angle is above {most} degrees: are they radians? BVH has degrees; convert them"]

@@ -32,6 +32,8 @@ def findings(imported: ImportedClip, baked: BakedBody) -> Iterator[str]:
         yield f"stop: {stop:g} s is beyond the recording's end: taken to its end, {end:.2f} s"
     if imported.recording is not None and imported.upright is not None and imported.names is not None:
         yield from _skeleton(imported, imported.recording, imported.upright, imported.names)
+    if len(clip) > 1 and not (np.ptp(clip.rotations, axis=0).max() > 1e-3 or np.ptp(clip.root, axis=0).max() > 1e-3):
+        yield "warning: nothing moves in it: one pose, held; was the motion exported with it?"
     share = 100 * clip.standing.mean(axis=0)
     yield (
         f"result: {len(clip)} frames at {clip.fps:g} a second on body {baked.body.name}; "
@@ -42,7 +44,8 @@ def findings(imported: ImportedClip, baked: BakedBody) -> Iterator[str]:
             how = f"hardly stands (in {percent:.0f} % of the frames)" if percent else "never stands"
             yield (
                 f"warning: the {side} foot {how}: right only for somebody who jumps or hops throughout; else "
-                "the recording floats, sinks or jitters (look at --picture), or its rate is wrong (--recording-fps)"
+                "the recording floats, sinks, jitters or stays in place (look at --picture), or its rate is wrong "
+                "(--recording-fps)"
             )
     slide, heights = foot_slide_cm(clip, baked), foot_heights_cm(clip, baked)
     if slide is not None and heights is not None:
@@ -80,7 +83,10 @@ def _skeleton(imported: ImportedClip, recording: Recording, upright: Upright, na
             "--recording-fps, e.g. --recording-fps 30"
         )
     if upright.mirrored:
-        yield "handedness: toes and knees point backwards, as in left-handed axes: mirrored"
+        yield (
+            "handedness: toes and knees point backwards, as in left-handed axes, or where names have left and right "
+            "swapped: mirrored"
+        )
     elif upright.mirrored is None:
         yield "handedness: right-handed axes assumed; it has no toes and no bent knees that would tell"
     if upright.dropped:

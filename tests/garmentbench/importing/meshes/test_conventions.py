@@ -98,7 +98,8 @@ def test_times_that_are_numbers_of_frames_are_asked_about():
     """MDD of programs that write frames for seconds: one frame a second."""
     body = box([40, 40, 178], fps=1.0)
     with pytest.raises(
-        UserError, match=r"fps: the files say 1 frames a second: are their times numbers of frames\? Give"
+        UserError,
+        match=r"fps: the files say 1 frames a second: are their times milliseconds, or numbers of frames\? Give",
     ):
         settle(body, box([50, 60, 30], fps=1.0), Given())
     assert settle(body, box([50, 60, 30], fps=1.0), Given(fps=24.0)).fps == 24.0

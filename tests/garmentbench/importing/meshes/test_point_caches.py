@@ -47,10 +47,11 @@ def test_pc2_by_its_published_format(tmp_path, template):
         (1.0, None, None),
         (2.0, None, "one sample every 2 frames"),
         (10.0, None, "one sample every 10 frames"),
+        (0.0, None, "its sampling of 0 means nothing: taken as 1"),
+        (-1.0, None, "its sampling of -1 means nothing: taken as 1"),
+        (float("nan"), None, "its sampling of nan means nothing: taken as 1"),
         (24.0, 24.0, "taken as frames a second"),
         (29.97, pytest.approx(29.97), "taken as frames a second"),
-        (0.0, None, None),
-        (float("nan"), None, None),
     ],
 )
 def test_pc2_says_what_its_sampling_was_taken_for(tmp_path, template, rate, fps, note):
@@ -58,7 +59,7 @@ def test_pc2_says_what_its_sampling_was_taken_for(tmp_path, template, rate, fps,
     read = read_pc2(tmp_path / "a.pc2", template)
     assert read.fps == fps and read.counted
     assert (note is None and read.notes == ()) or (note is not None and note in read.notes[0])
-    np.testing.assert_allclose(np.diff(read.times), rate if note and fps is None else 1)
+    np.testing.assert_allclose(np.diff(read.times), rate if note and "every" in note else 1)
 
 
 def test_a_frame_more_than_the_header_says_is_left_out(tmp_path, template):

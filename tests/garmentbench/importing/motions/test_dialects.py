@@ -185,6 +185,21 @@ def test_amass_and_amc_at_an_odd_rate_too(tmp_path):
     assert any("1 frames a second is no rate of motion capture" in line for line in lines)
 
 
+def test_a_held_pose_and_radians_are_told(tmp_path):
+    text = walk(40).text()
+    head, rows = text.split("Frame Time: 0.0333333333\n")
+    held = head + "Frame Time: 0.0333333333\n" + (rows.splitlines()[0] + "\n") * 40
+    assert "warning: nothing moves in it: one pose" in " ".join(findings(imported(written(tmp_path, held)), BASE))
+    numbers = np.array([[float(word) for word in row.split()] for row in rows.splitlines()])
+    numbers[:, 3:] = np.radians(numbers[:, 3:])
+    small = "\n".join(" ".join(f"{x:.6f}" for x in row) for row in numbers)
+    (note,) = read_bvh(written(tmp_path, f"{head}Frame Time: 0.0333333333\n{small}\n")).notes
+    assert note.startswith("warning: no angle is above") and "are they radians?" in note
+    assert read_bvh(written(tmp_path, text)).notes == ()
+    with pytest.raises(UserError, match=r"frame time is 30 s; .* \(is it a rate, or milliseconds\?\); say"):
+        read_bvh(written(tmp_path, text.replace("Frame Time: 0.0333333333", "Frame Time: 30")))
+
+
 @pytest.mark.parametrize(("axis", "up"), [("z", "-x"), ("x", "z")])
 def test_somebody_who_lies_is_not_stood_up_in_silence(tmp_path, axis, up):
     """The root rolled by 90 degrees: other axes, or somebody who lies; the file can't tell."""
