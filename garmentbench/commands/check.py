@@ -130,7 +130,8 @@ def looked_into(sequence: "Sequence") -> list[Problem]:
     """What is wrong with a sequence whose file is whole: a garment that isn't worn, and what its mesh is warned of."""
     from garmentbench.importing.mesh_doctor.examine import examine_template
     from garmentbench.importing.mesh_doctor.files import mesh_of
-    from garmentbench.importing.mesh_doctor.worn import garment_in, never_worn, of_frame
+    from garmentbench.importing.mesh_doctor.unworn import never_worn
+    from garmentbench.importing.mesh_doctor.worn import garment_in, of_frame
 
     off = never_worn(sequence)
     on_body = sequence.body is not None and not errors(off)
@@ -165,7 +166,7 @@ def _verdict(file: Path, problems: list[Problem]) -> None:
     """Print the problems, errors first, and a last line. Raises `UserError` where there are errors."""
     for problem in sorted(problems, key=lambda p: p.warning):
         print(f"{'warning' if problem.warning else 'error'}: {problem}")
-    from garmentbench.importing.mesh_doctor.worn import SLIPPED
+    from garmentbench.importing.mesh_doctor.unworn import SLIPPED
 
     bad = len(errors(problems))
     if bad:

@@ -10,8 +10,8 @@ import numpy as np
 
 from garmentbench import sequence_file
 from garmentbench.errors import UsageError, UserError
+from garmentbench.importing.mesh_doctor.bringing_on import unit_question
 from garmentbench.importing.mesh_doctor.orientation import faces_inward
-from garmentbench.importing.mesh_doctor.worn import unit_question
 from garmentbench.importing.meshes.conventions import Conventions, Given, find_conventions, unit_name
 from garmentbench.importing.meshes.frame_check import check_frames, check_rest
 from garmentbench.importing.meshes.mesh_sequence import MeshSequence, refusal, without_spare

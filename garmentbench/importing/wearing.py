@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from garmentbench.importing.mesh_doctor.worn import fits_mirrored, later, likely_cause, never_worn, other_time
+from garmentbench.importing.mesh_doctor.bringing_on import fits_mirrored, other_time
+from garmentbench.importing.mesh_doctor.unworn import later, likely_cause, never_worn
 from garmentbench.importing.meshes.mesh_sequence import refusal
 from garmentbench.metrics.interpenetration_strict import PENETRATION
 from garmentbench.metrics.metric import Motion, scores

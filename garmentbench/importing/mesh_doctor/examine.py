@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from garmentbench.importing.mesh_doctor import body, coincident, connections, shape, substeps, uv, worn
+from garmentbench.importing.mesh_doctor import body, coincident, connections, shape, substeps, unworn, uv
 from garmentbench.importing.mesh_doctor.body import Wearer
 from garmentbench.importing.mesh_doctor.finding import Finding
 from garmentbench.importing.mesh_doctor.mesh import Mesh
@@ -21,10 +21,10 @@ def examine(mesh: Mesh, wearer: Wearer | None = None) -> list[Finding]:
         return broken
     found, known = shape.scale(mesh), shape.unit(mesh.size)
     metric = mesh.scaled(known[1] if known else 1.0)
-    beside = worn.not_worn(metric, wearer, known[0]) if known and wearer is not None else []
+    beside = unworn.not_worn(metric, wearer, known[0]) if known and wearer is not None else []
     in_metres = wearer if known and not beside else None
     if known is None and wearer is not None:
-        found = worn.unit_worn(mesh, wearer) or found
+        found = unworn.unit_worn(mesh, wearer) or found
     found += beside or shape.up_axis(metric)
     found += shape.degenerate(metric) + connections.unused(metric)
     found += connections.repeated_faces(metric)

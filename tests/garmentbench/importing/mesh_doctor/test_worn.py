@@ -9,8 +9,9 @@ import pytest
 from faulty_meshes import tube
 
 from garmentbench.cli import main
+from garmentbench.importing.mesh_doctor.bringing_on import Change, other_unit, proposal
 from garmentbench.importing.mesh_doctor.files import mesh_of, read_mesh, read_wearer, write_mesh
-from garmentbench.importing.mesh_doctor.worn import Change, is_worn, other_unit, proposal
+from garmentbench.importing.mesh_doctor.worn import is_worn
 from garmentbench.importing.meshes.conventions import UNITS
 from garmentbench.scenes.garments import garment_names, load_garment
 
