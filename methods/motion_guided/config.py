@@ -19,7 +19,8 @@ class Model:
     """The generative model of section 4, and the sizes that all blocks share."""
 
     map_size: int = 128
-    """Pixels a side of the encoders' UV maps, a power of two; D's map has twice as many."""
+    """Pixels a side of the encoders' UV maps, a power of two; D's map has twice as many. A map is drawn at its pixels'
+    centres, so at 16 the encoders see a fifth of the laptop T-shirt's vertices."""
     width: int = 128
     """Channels of a feature map; all other widths are in proportion to it."""
     mlp_width: int = 64
@@ -29,7 +30,9 @@ class Model:
     seeds: int = 581
     """Seed points on the body."""
     dynamic_weights: bool = True
-    """Blend weights from the displaced canonical vertices; False: from the rest garment, fixed over time (figure 7)."""
+    """Blend weights from the displaced canonical vertices; False: from the rest garment, fixed over time (figure 7).
+    Their radii are learnt as logarithms, so at the paper's rates none can change by more than 2.1 times; the code
+    learns them as they are."""
     seed_rotation: str = "frame"
     """"frame": the seed's full tangent frame turns it (the paper's "known rotation"); "normal": the smallest rotation
     that carries the canonical normal to the present one (the code), which loses twist."""
@@ -48,6 +51,10 @@ class Model:
     displacements, so that outputs are of order 1."""
     centred_descriptor: bool = False
     """Ours: take the training mean off the descriptor map before its first convolution."""
+    chart_channel: bool = False
+    """Ours, beside a centred descriptor: one more channel that is constant in the chart. What is centred and goes
+    through convolutions and norms without biases gives a deviation and four times as much the same code; beside a
+    constant it does not."""
     linear_paths: bool = False
     """Ours: beside E^Sta a linear map of the descriptor, and in D the principal components of the training
     displacements, both in closed form; the networks learn what these leave. A network alone answers a garment in a new
@@ -87,7 +94,7 @@ class Stage1:
     edge_weight: float = 1.0
     """Of L_rand (code: 0.1)."""
     sdf_weight: float = 100.0
-    """lambda_1 (code: 1)."""
+    """lambda_1 (code: 1). In a small model's training its term is at most 0.5 % of the loss."""
     sdf_from_step: int = 0
     """L_SDF0 counts from this step on (code: 500)."""
     sdf_on_random: bool = True
@@ -144,7 +151,11 @@ class Stage2:
 
 @dataclass(frozen=True)
 class Collision:
-    """The collision stage at run time (section 5.1)."""
+    """The collision stage at run time (section 5.1).
+
+    Its regularisers are means and the depths a sum. Read as norms throughout, the paper's regularisers are 3 V times as
+    strong. Where it ends early is ours, so an imported model's stage is not quite its authors'.
+    """
 
     enabled: bool = True
     solver: str = "adam"

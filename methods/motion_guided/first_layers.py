@@ -11,6 +11,7 @@ import torch.nn.functional as F
 from torch import Tensor, nn
 
 KERNEL = 3
+CHART_UNIT = 0.03  # [m]
 
 
 def _weights(out_channels: int, seeds: int) -> nn.Parameter:
@@ -23,11 +24,20 @@ class RelativeConv(nn.Module):
     """3x3 convolution of the body-relative descriptor map M^P (section 4.2): g - b_j inside the chart, 0 outside.
 
     conv(M^P; W) = conv(masked positions; sum_j W_j) - conv(mask; sum_jk W_jk b_jk): 3 + 1 channels instead of 3N.
+
+    Args:
+        seeds: N.
+        out_channels: O.
+        chart: One more channel, `CHART_UNIT` inside the chart (option `Model.chart_channel`).
     """
 
-    def __init__(self, seeds: int, out_channels: int) -> None:
+    def __init__(self, seeds: int, out_channels: int, chart: bool = False) -> None:
         super().__init__()
         self.weight = _weights(out_channels, seeds)
+        self.chart = None
+        if chart:
+            bound = 1 / math.sqrt(3 * KERNEL**2)
+            self.chart = nn.Parameter(torch.empty(out_channels, 1, KERNEL, KERNEL).uniform_(-bound, bound))
 
     def forward(self, positions: Tensor, mask: Tensor, seeds: Tensor) -> Tensor:
         """Features, shape (batch, O, H, W).
@@ -42,7 +52,12 @@ class RelativeConv(nn.Module):
         of_seeds = seeds.flatten(1) @ self.weight.flatten(1, 2).permute(1, 0, 2, 3).flatten(1)
         shifted_mask = F.unfold(mask[None, None], KERNEL, padding=KERNEL // 2)[0]
         of_mask = of_seeds.reshape(batch, -1, KERNEL**2) @ shifted_mask
-        return of_positions - of_mask.reshape(batch, -1, height, width)
+        result = of_positions - of_mask.reshape(batch, -1, height, width)
+        return result if self.chart is None else result + self.of_chart(mask)
+
+    def of_chart(self, mask: Tensor) -> Tensor:
+        """What the chart's channel adds, shape (1, O, H, W)."""
+        return F.conv2d(CHART_UNIT * mask[None, None], self.chart, padding=KERNEL // 2)
 
 
 class ForceConv(nn.Module):

@@ -47,7 +47,7 @@ class GenerativeModel(nn.Module):
         super().__init__()
         self.options = options
         seeds, size = len(canonical.seeds.rest), options.map_size
-        self.features_block = GeometryFeatures(seeds, options.width)
+        self.features_block = GeometryFeatures(seeds, options.width, options.chart_channel)
         self.encoder = Encoder(options.width, size, options.width, options.latent)
         self.decoder = Decoder(size, options.width, options.latent)
         labels = np.zeros(seeds) if canonical.seeds.labels is None else canonical.seeds.labels

@@ -60,9 +60,9 @@ class ConvStack(nn.Module):
 class GeometryFeatures(nn.Module):
     """S: the body-relative descriptor map M^P to a feature map S(M^P), shape (batch, width, H, W)."""
 
-    def __init__(self, seeds: int, width: int) -> None:
+    def __init__(self, seeds: int, width: int, chart: bool = False) -> None:
         super().__init__()
-        self.first = RelativeConv(seeds, 4 * width)
+        self.first = RelativeConv(seeds, 4 * width, chart)
         self.rest = ConvStack([4 * width, 2 * width, width, width])
 
     def forward(

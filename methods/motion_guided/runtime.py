@@ -124,7 +124,8 @@ class SeedGeometry:
     """`RelativeConv` with the sums over its seeds made once."""
 
     def __init__(self, layer: RelativeConv, chart: ChartMap) -> None:
-        weight, self.size = layer.weight, chart.size
+        weight = layer.weight
+        self.constant = 0.0 if layer.chart is None else layer.of_chart(chart.mask)
         self.of_positions = weight.sum(dim=1)
         self.of_seeds = weight.flatten(1, 2).permute(1, 0, 2, 3).flatten(1).contiguous()
         self.mask = F.unfold(chart.mask[None, None], KERNEL, padding=KERNEL // 2)[0]
@@ -133,7 +134,7 @@ class SeedGeometry:
         """Features, shape (1, O, S, S), of a position map, shape (1, 3, S, S), and seeds, shape (N, 3)."""
         of_seeds = (seeds.reshape(1, -1) @ self.of_seeds).reshape(-1, KERNEL**2)
         of_positions = F.conv2d(positions, self.of_positions, padding=KERNEL // 2)
-        return of_positions - (of_seeds @ self.mask).reshape(of_positions.shape)
+        return of_positions - (of_seeds @ self.mask).reshape(of_positions.shape) + self.constant
 
 
 class ChartForce:

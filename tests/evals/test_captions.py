@@ -60,6 +60,12 @@ def test_a_table_without_chance_says_so_rather_than_one_seed(table):
     assert "none of the methods has chance in its training" in made.caption and "; one seed." not in made.caption
 
 
+def test_a_table_with_the_papers_errors_says_what_they_are_worth(table):
+    said = "The paper does not define its L2"
+    assert said in table([*line("skinning", 3.8), *line("motion_guided", 1.0)]).caption
+    assert said not in table([*line("skinning", 3.8), *line("hold", 1.0)]).caption
+
+
 def test_a_table_on_a_validation_scene_says_that_it_is_no_test(table):
     """Settings are chosen on it; it is never reported as a test."""
     rows = [*line("skinning", 3.8), *line("hold", 1.0)]

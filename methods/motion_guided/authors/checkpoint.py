@@ -85,7 +85,7 @@ def code_config(sizes: Model) -> Config:
     return Config(
         model=replace(sizes, seed_rotation="normal"),
         stage1=Stage1(training, edge_weight=0.1, sdf_weight=1.0, sdf_from_step=500, sdf_on_random=False),
-        stage2=Stage2(replace(training, amsgrad=True), pair_weight=0.5, force_distance="previous"),
+        stage2=Stage2(replace(training, amsgrad=True), pair_weight=0.5, latent_weight=5e-4, force_distance="previous"),
         collision=Collision(
             map_size=sizes.map_size,
             trigger="mean",
