@@ -12,7 +12,8 @@ Training lengths keep the number of optimiser steps, as one does who compares wh
 from dataclasses import replace
 
 from garmentbench.evals.baselines import BASELINES
-from garmentbench.evals.comparison import FULL, Comparison, Entry
+from garmentbench.evals.comparison import Comparison
+from garmentbench.evals.trial import FULL, Entry
 from garmentbench.report.lines import Line, label
 
 

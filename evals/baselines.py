@@ -3,7 +3,8 @@
 The T-shirt row of the paper's Table 3 is this experiment.
 """
 
-from garmentbench.evals.comparison import FULL, SIMPLE, Comparison
+from garmentbench.evals.comparison import Comparison
+from garmentbench.evals.trial import FULL, SIMPLE
 
 BASELINES = Comparison(
     name="baselines",

@@ -16,8 +16,8 @@ import numpy as np
 
 from garmentbench import sequence_file
 from garmentbench.device import device_name
-from garmentbench.evals.comparison import sequence_job
 from garmentbench.evals.experiment import Experiment, Work, about, failed_row, named
+from garmentbench.evals.trial import sequence_job
 from garmentbench.evaluation.results import Row
 from garmentbench.evaluation.rollout import roll_out
 from garmentbench.evaluation.score import score

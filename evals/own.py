@@ -22,8 +22,9 @@ import msgspec
 
 from garmentbench.errors import FOREIGN, UsageError, UserError
 from garmentbench.evals import EXPERIMENTS
-from garmentbench.evals.comparison import TRAIN_FRAMES, Comparison, Entry
+from garmentbench.evals.comparison import Comparison
 from garmentbench.evals.experiment import Experiment
+from garmentbench.evals.trial import TRAIN_FRAMES, Entry
 from garmentbench.storage.typed_toml import read_toml, typed
 
 ENDINGS = (".toml", ".py")

@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from garmentbench import sequence_file
-from garmentbench.evals.comparison import FULL, Comparison, Entry, Trial, measured_columns
+from garmentbench.evals.accuracy_table import measured_columns
+from garmentbench.evals.comparison import Comparison
 from garmentbench.evals.experiment import Work, about, failed_row, first_failure, named
+from garmentbench.evals.trial import FULL, Entry, Trial
 from garmentbench.evaluation.results import Row
 from garmentbench.evaluation.rollout import DIVERGED, OK, RollOut
 from garmentbench.geometry.cloth_rest import cloth_at_rest

@@ -4,7 +4,8 @@ In one scene the sheet is held by a row of points and the stick rolls; in the ot
 which moves and turns about the vertical, and nothing but weight and friction holds it.
 """
 
-from garmentbench.evals.comparison import FULL, SIMPLE, Comparison, Entry
+from garmentbench.evals.comparison import Comparison
+from garmentbench.evals.trial import FULL, SIMPLE, Entry
 
 STICK = Comparison(
     name="stick",

@@ -4,7 +4,8 @@ The over-skirt is predicted from the dress beneath it, which takes the body's pl
 given is the simulated one.
 """
 
-from garmentbench.evals.comparison import FULL, Comparison, Entry
+from garmentbench.evals.comparison import Comparison
+from garmentbench.evals.trial import FULL, Entry
 
 GARMENTS = ("bodysuit", "pleated_skirt", "dress", "over_skirt")
 WARDROBE = tuple(

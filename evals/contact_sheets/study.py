@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from garmentbench import sequence_file
-from garmentbench.evals.comparison import sequence_job
 from garmentbench.evals.contact_sheets.table import COUNTS, FRAME, NAME, ROW, sheets_table
 from garmentbench.evals.experiment import Companion, Work, about, failed_row, first_failure, named
+from garmentbench.evals.trial import sequence_job
 from garmentbench.evaluation.results import Row
 from garmentbench.reference import Source, stored
 from garmentbench.report.lines import REFERENCE

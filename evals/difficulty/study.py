@@ -5,10 +5,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from garmentbench import sequence_file
-from garmentbench.evals.comparison import Comparison, Entry, Trial
+from garmentbench.evals.comparison import Comparison
 from garmentbench.evals.difficulty.measures import measured
 from garmentbench.evals.difficulty.table import METHODS, difficulty_table
 from garmentbench.evals.experiment import Experiment, Work, about, failed_row, first_failure, named
+from garmentbench.evals.trial import Entry, Trial
 from garmentbench.evaluation.results import Row
 from garmentbench.report.lines import REFERENCE
 from garmentbench.scenes.presets import Preset

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from report_example import WALK, measured, never_ran, write_results
 
-from garmentbench.evals.comparison import accuracy_table
+from garmentbench.evals.accuracy_table import accuracy_table
 from garmentbench.evals.run import noted
 from garmentbench.evaluation.results import TRAINED_ON_IT, UNDER_LOAD, Row
 from garmentbench.report.lines import Results, read_results

@@ -5,10 +5,11 @@ from dataclasses import replace
 import pytest
 
 from garmentbench import pipeline, sequence_file
-from garmentbench.evals.comparison import Comparison, Entry
+from garmentbench.evals.comparison import Comparison
 from garmentbench.evals.data import CARDS
 from garmentbench.evals.experiment import finished_rows
 from garmentbench.evals.run import kept_rows, write_results
+from garmentbench.evals.trial import Entry
 from garmentbench.evaluation.toy import tiny_sequence
 from garmentbench.scenes.presets import preset
 from garmentbench.storage.jobs import run_here
