@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from garmentbench import pipeline
 from garmentbench.errors import UsageError
 from garmentbench.evals.accuracy_table import accuracy_table
 from garmentbench.evals.experiment import Experiment, Work, about, failed_row, first_failure, named
@@ -11,6 +10,7 @@ from garmentbench.evals.trial import SIMPLE, TRAIN_FRAMES, Entry, Trial, another
 from garmentbench.evaluation.another_run import ANOTHER_RUN
 from garmentbench.evaluation.results import Row
 from garmentbench.methods import method_names
+from garmentbench.pipeline.choice import MethodChoice, choose_method, load_method
 from garmentbench.reference import Source, resolve_source
 from garmentbench.report.card import frame_count
 from garmentbench.report.lines import SIMULATED, Line, label, order
@@ -55,7 +55,7 @@ class Comparison(Experiment):
         """Every entry and seed on every test. Raises `UserError` for what doesn't exist or goes together."""
         scenes, lengths = expanded(self.train)
         train, tests = (tuple(resolve_source(name) for name in names) for names in (scenes, self.tests))
-        choices = {entry: pipeline.choose_method(entry.method, entry.variant, preset) for entry in self.entries}
+        choices = {entry: choose_method(entry.method, entry.variant, preset) for entry in self.entries}
         self._require_names_of_their_own(choices)
         self._require_frames(train)
         return [
@@ -79,7 +79,7 @@ class Comparison(Experiment):
 
         return Work(jobs, rows)
 
-    def _require_names_of_their_own(self, choices: dict[Entry, pipeline.MethodChoice]) -> None:
+    def _require_names_of_their_own(self, choices: dict[Entry, MethodChoice]) -> None:
         """Raises `UsageError` where two lines of the tables would have the same name."""
         lines = [(choices[entry].name, entry.label) for entry in self.entries]
         for entry, choice in choices.items():
@@ -90,7 +90,7 @@ class Comparison(Experiment):
                 raise UsageError(
                     f"{self.name}: {entry.method} calls itself '{name}', as the simulator's line; rename it"
                 )
-            if name in method_names() and pipeline.load_method(name) is not choice.method:
+            if name in method_names() and load_method(name) is not choice.method:
                 raise UsageError(
                     f"{self.name}: {entry.method} calls itself '{name}', as another method does; rename it"
                 )

@@ -6,11 +6,14 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from garmentbench import pipeline
 from garmentbench.errors import UserError
 from garmentbench.evaluation.another_run import ANOTHER_RUN
 from garmentbench.method import Method
 from garmentbench.motion.timing import WARM_UP
+from garmentbench.pipeline.choice import MethodChoice
+from garmentbench.pipeline.evaluate import evaluate, evaluate_another_run
+from garmentbench.pipeline.same_meshes import OtherGarmentError
+from garmentbench.pipeline.train import train
 from garmentbench.reference import Source, make_reference, runs_wanted
 from garmentbench.scenes.material import Material
 from garmentbench.scenes.presets import Preset
@@ -52,7 +55,7 @@ class Trial:
     """One line of results to be: an entry and a seed, trained, on a test scene; every name in it resolved."""
 
     entry: Entry
-    choice: pipeline.MethodChoice
+    choice: MethodChoice
     train: tuple[Source, ...]
     seed: int
     test: Source
@@ -129,21 +132,21 @@ def another_run_job(source: Source, preset: Preset) -> Job:
 
 
 def _score_another_run(_: Path, source: Source, preset: Preset) -> str | Reused | None:
-    run = pipeline.evaluate_another_run(source, preset, RunStore())
+    run = evaluate_another_run(source, preset, RunStore())
     return None if run is None else _id(run)
 
 
 def _train(*inputs: Any) -> str | Reused:
     *_, trial, preset = inputs
     frames = trial.entry.train_frames
-    return _id(pipeline.train(trial.choice, trial.train, preset, frames, trial.seed, RunStore(), trial.lengths))
+    return _id(train(trial.choice, trial.train, preset, frames, trial.seed, RunStore(), trial.lengths))
 
 
 def _evaluate(trained: str, _: Path, trial: Trial, preset: Preset) -> str | Reused:
     store = RunStore()
     try:
-        return _id(pipeline.evaluate(store.get(trained), trial.test, preset, store))
-    except pipeline.OtherGarmentError as e:
+        return _id(evaluate(store.get(trained), trial.test, preset, store))
+    except OtherGarmentError as e:
         raise UserError(f"{e}; wanted scenes of that garment in the experiment's train = [...]") from e
 
 

@@ -37,11 +37,11 @@ if TYPE_CHECKING:  # what type checkers and editors see; `_HOME` is what runs, a
     from garmentbench.method import span as span
     from garmentbench.metrics import METRICS as METRICS
     from garmentbench.metrics import Metric as Metric
-    from garmentbench.pipeline import MethodChoice as MethodChoice
-    from garmentbench.pipeline import choose_method as choose_method
-    from garmentbench.pipeline import evaluate as evaluate
-    from garmentbench.pipeline import train as train
-    from garmentbench.pipeline import training_run as training_run
+    from garmentbench.pipeline.choice import MethodChoice as MethodChoice
+    from garmentbench.pipeline.choice import choose_method as choose_method
+    from garmentbench.pipeline.evaluate import evaluate as evaluate
+    from garmentbench.pipeline.train import train as train
+    from garmentbench.pipeline.train import training_run as training_run
     from garmentbench.reference import SequenceFile as SequenceFile
     from garmentbench.reference import make_reference as make_reference
     from garmentbench.scenes.presets import Preset as Preset
@@ -81,11 +81,11 @@ _HOME = {
     "span": "method",
     "METRICS": "metrics",
     "Metric": "metrics",
-    "MethodChoice": "pipeline",
-    "choose_method": "pipeline",
-    "evaluate": "pipeline",
-    "train": "pipeline",
-    "training_run": "pipeline",
+    "MethodChoice": "pipeline.choice",
+    "choose_method": "pipeline.choice",
+    "evaluate": "pipeline.evaluate",
+    "train": "pipeline.train",
+    "training_run": "pipeline.train",
     "SequenceFile": "reference",
     "make_reference": "reference",
     "Preset": "scenes.presets",

@@ -81,7 +81,7 @@ class ImportAuthorsModel:
         from garmentbench.device import one_thread
         from garmentbench.methods.motion_guided.authors.model import read_model
         from garmentbench.methods.motion_guided.authors.release import open_release
-        from garmentbench.pipeline import keep
+        from garmentbench.pipeline.train import keep
         from garmentbench.storage.fingerprint import fingerprint
         from garmentbench.storage.runs import RunStore
 

@@ -27,7 +27,7 @@ class Methods:
 
     def run(self) -> None:
         from garmentbench.methods import method_names
-        from garmentbench.pipeline import load_method, variants
+        from garmentbench.pipeline.choice import load_method, variants
 
         print_table([{"method": name, "variants": ", ".join(variants(load_method(name)))} for name in method_names()])
 
@@ -49,7 +49,7 @@ class CheckMethod:
     def run(self) -> None:
         from garmentbench.device import one_thread
         from garmentbench.evaluation.check_method import check_method
-        from garmentbench.pipeline import choose_method
+        from garmentbench.pipeline.choice import choose_method
         from garmentbench.scenes.presets import preset
 
         one_thread()
@@ -140,7 +140,9 @@ class Evaluate:
     def run(self) -> None:
         from garmentbench.evaluation.results import warnings
         from garmentbench.evaluation.rollout import FAILED, OK
-        from garmentbench.pipeline import OtherGarmentError, default_training_scene, evaluate, load_method
+        from garmentbench.pipeline.choice import default_training_scene, load_method
+        from garmentbench.pipeline.evaluate import evaluate
+        from garmentbench.pipeline.same_meshes import OtherGarmentError
         from garmentbench.reference import resolve_source
         from garmentbench.storage.runs import RunStore
 
@@ -191,7 +193,8 @@ def _training(words: Sequence[str]) -> tuple[list["Source"], dict[str, int]]:
 
 
 def _trained(options: Train | Evaluate, size: "Preset", sources: list["Source"], lengths: dict[str, int]) -> "Run":
-    from garmentbench.pipeline import choose_method, train
+    from garmentbench.pipeline.choice import choose_method
+    from garmentbench.pipeline.train import train
     from garmentbench.storage.runs import RunStore
 
     choice = choose_method(options.method, options.variant, size)

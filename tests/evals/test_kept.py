@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from garmentbench import pipeline, sequence_file
+from garmentbench import sequence_file
 from garmentbench.evals.comparison import Comparison
 from garmentbench.evals.data import CARDS
 from garmentbench.evals.experiment import finished_rows
@@ -36,7 +36,7 @@ def study(home):
 
 def test_what_was_run_is_found_without_running_and_its_cards_with_it(study, monkeypatch):
     study, rows = study
-    monkeypatch.setattr(pipeline, "_predict", None)
+    monkeypatch.setattr("garmentbench.pipeline.evaluate._predict", None)
     assert [str(row) for row in finished_rows(study, SMOKE)] == [str(row) for row in rows]  # NaN is not itself
     beside = finished_rows(study, SMOKE, 1, CARDS)[len(rows) :]
     assert {(row.experiment, row.scene) for row in beside} == {("data", "tiny")}

@@ -14,7 +14,8 @@ from garmentbench.cli import main
 from garmentbench.errors import UsageError
 from garmentbench.evaluation.toy import tiny_sequence
 from garmentbench.methods import load_method
-from garmentbench.pipeline import choose_method, default_training_scene, train
+from garmentbench.pipeline.choice import choose_method, default_training_scene
+from garmentbench.pipeline.train import train
 from garmentbench.reference import resolve_source
 from garmentbench.scenes.presets import preset
 from garmentbench.scenes.wardrobe import load_scene

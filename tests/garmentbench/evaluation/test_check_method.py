@@ -8,7 +8,7 @@ import pytest
 from garmentbench.evaluation.check_method import check_method, parametrize_with_checks
 from garmentbench.evaluation.checks import CHECKS, SCENES
 from garmentbench.methods import METHODS, load_method
-from garmentbench.pipeline import choose_method
+from garmentbench.pipeline.choice import choose_method
 from garmentbench.scenes.presets import preset
 
 BROKEN = {

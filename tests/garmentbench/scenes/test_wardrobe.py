@@ -8,7 +8,7 @@ import pytest
 from garmentbench import paths
 from garmentbench.cli import main
 from garmentbench.errors import UserError
-from garmentbench.pipeline import choose_method
+from garmentbench.pipeline.choice import choose_method
 from garmentbench.reference import reference_identity
 from garmentbench.scenes.presets import preset
 from garmentbench.scenes.wardrobe import load_scene, read_wardrobe, scene_names, wardrobe

@@ -13,7 +13,7 @@ from garmentbench.method import BodyFrame, History
 from garmentbench.methods import load_method
 from garmentbench.methods.baselines.rollouts import TrainedDynamics, config_for
 from garmentbench.metrics.l2 import l2
-from garmentbench.pipeline import training_run
+from garmentbench.pipeline.train import training_run
 
 CLOSED_FORM = ("skinning", "hold", "constant_velocity", "linear_subspace", "static_ridge")
 BASELINES = (*CLOSED_FORM, "subspace_network", "linear_memory", "pose_gru")

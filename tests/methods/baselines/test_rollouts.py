@@ -16,7 +16,7 @@ from garmentbench.methods.baselines.pose_gru import PoseGru
 from garmentbench.methods.baselines.rollouts import TrainedDynamics, config_for
 from garmentbench.methods.baselines.subspace_network import SubspaceNetwork
 from garmentbench.metrics.l2 import l2
-from garmentbench.pipeline import training_run
+from garmentbench.pipeline.train import training_run
 
 KINDS = (SubspaceNetwork, LinearMemory, PoseGru)
 SMALL = replace(config_for("smoke"), seeds=20, codes=8, body_codes=16)
