@@ -267,8 +267,12 @@ def test_summary_says_what_there_is():
 
 
 def test_a_sequence_s_garment_is_checked_for_what_its_own_checks_leave_out():
-    assert examine_template(CLEAN) == []
-    assert [f.problem.where for f in examine_template(turned(overlapping(), [7]))] == ["winding", "uv"]
+    faulty = turned(overlapping(), [7])
+    inside_out = replace(CLEAN, faces=CLEAN.faces[:, ::-1])
+    assert examine_template(CLEAN, CLEAN, None) == []
+    assert [f.problem.where for f in examine_template(faulty, faulty, None)] == ["winding", "uv"]
+    (found,) = examine_template(CLEAN, inside_out, None)  # sides are judged as it is worn
+    assert found.problem.where == "winding" and "inside out" in found.problem.what
 
 
 @pytest.mark.parametrize("seed", [0, 1])
