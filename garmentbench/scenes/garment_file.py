@@ -133,7 +133,7 @@ def _refuse_several(path: Path) -> None:
             for kind in names:
                 names[kind].setdefault(now[kind])
     objects, groups = (tuple(names[kind]) for kind in ("o", "g"))
-    several = objects if len(objects) > 1 else groups if are_two_things(groups) else ()
+    several: list[str] = list(objects if len(objects) > 1 else groups if are_two_things(groups) else ())
     if several:
         listed = ", ".join(name or "(without a name)" for name in several[:8]) + (" ..." if len(several) > 8 else "")
         one = next((name for name in several if role_of(name) == "garment"), several[0])

@@ -12,7 +12,7 @@ import torch
 from torch import Tensor, nn
 
 from garmentbench.methods.baselines import rollouts
-from garmentbench.methods.baselines.rollouts import Config, Net, TrainedDynamics
+from garmentbench.methods.baselines.rollouts import CodeNet, Config, TrainedDynamics
 
 __all__ = ["Config", "LinearMemory", "config_for"]
 
@@ -25,7 +25,7 @@ def config_for(size: str) -> Config:
     return replace(config, training=replace(config.training, learning_rate=1e-2))
 
 
-class _Net(Net):
+class _Net(CodeNet):
     def build(self, width: int, codes: int, inputs: int) -> None:
         self.pose = nn.Linear(inputs, codes)
         nn.init.zeros_(self.pose.weight)

@@ -18,6 +18,8 @@ from garmentbench.methods.baselines.ridge_dynamics import advance, fit_dynamics
 from garmentbench.methods.baselines.subspace import Encoded, Sizes, Subspace, load, save
 from garmentbench.sequence import Sequence
 
+Memory = tuple[np.ndarray, np.ndarray]  # the last code and the one before it
+
 
 class LinearSubspace(CodeDynamics):
     """Ridge regression of PCA codes on their two predecessors and the seed points."""
@@ -46,7 +48,8 @@ class LinearSubspace(CodeDynamics):
         """Read them back."""
         return cls(**load(folder / "linear_subspace.npz"))
 
-    def following(self, memory: tuple[np.ndarray, ...], seen: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
+    def following(self, memory: Memory, seen: np.ndarray) -> tuple[np.ndarray, Memory]:
         """The next code, shape (K,), by the linear map."""
-        code = advance(self.dynamics, *memory, seen)
-        return code, (code, memory[0])
+        last, before = memory
+        code = advance(self.dynamics, last, before, seen)
+        return code, (code, last)

@@ -12,7 +12,7 @@ import torch
 from torch import Tensor, nn
 
 from garmentbench.methods.baselines import rollouts
-from garmentbench.methods.baselines.rollouts import Config, Net, TrainedDynamics
+from garmentbench.methods.baselines.rollouts import CodeNet, Config, TrainedDynamics
 
 __all__ = ["Config", "PoseGru", "config_for"]
 
@@ -23,7 +23,7 @@ def config_for(size: str) -> Config:
     return replace(config, width=min(config.width, 128), unroll=32, training=replace(config.training, batch=32))
 
 
-class _Net(Net):
+class _Net(CodeNet):
     def build(self, width: int, codes: int, inputs: int) -> None:
         self.first = nn.Linear(2 * codes, width)
         self.cell = nn.GRUCell(inputs, width)

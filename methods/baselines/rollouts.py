@@ -53,7 +53,7 @@ def config_for(size: str) -> Config:
     return replace(config, width=64, training=replace(config.training, steps=100)) if size == "smoke" else config
 
 
-class Net(nn.Module):
+class CodeNet(nn.Module):
     """A step of codes. What it works on is measured by its spread in training, and kept as near as it was there.
 
     mean, codes: mean and spread of the codes, shape (K,). changes: spread of their change in a frame, shape (K,).
@@ -96,10 +96,10 @@ class TrainedDynamics(CodeDynamics):
     """Codes that a network advances. A subclass says by its `Net` how."""
 
     name: ClassVar[str]
-    Net: ClassVar[type[Net]]
+    Net: ClassVar[type[CodeNet]]
     Config = Config
 
-    def __init__(self, seeds: np.ndarray, garment: Subspace, body: Subspace, turns: bool, net: Net) -> None:
+    def __init__(self, seeds: np.ndarray, garment: Subspace, body: Subspace, turns: bool, net: CodeNet) -> None:
         """seeds: body vertices, shape (N,)."""
         super().__init__(seeds, garment, body, turns)
         self.net = net
@@ -124,9 +124,10 @@ class TrainedDynamics(CodeDynamics):
         """Read them back."""
         arrays = load(_file(folder))
         state = {k.removeprefix("net."): torch.from_numpy(arrays.pop(k)) for k in list(arrays) if k.startswith("net.")}
+        turns = bool(arrays.pop("turns"))
         net = cls.Net(int(arrays.pop("width")), **{name: state[name] for name in SCALES})
         net.load_state_dict(state)
-        return cls(**arrays | {"turns": bool(arrays["turns"])}, net=net)
+        return cls(**arrays, turns=turns, net=net)
 
     def start(self, last: np.ndarray, before: np.ndarray, seen: np.ndarray) -> Any:
         """As the network remembers it."""
@@ -141,8 +142,8 @@ class TrainedDynamics(CodeDynamics):
 
 
 def fit_net(
-    kind: type[Net], recordings: list[tuple[np.ndarray, np.ndarray]], config: Config, run: FitRun, name: str
-) -> Net:
+    kind: type[CodeNet], recordings: list[tuple[np.ndarray, np.ndarray]], config: Config, run: FitRun, name: str
+) -> CodeNet:
     """A network trained on recordings: codes, shape (T, K), and the input of each frame, shape (T, Q)."""
     lengths = [len(z) for z, _ in recordings]
     frames = min(config.unroll, min(lengths) - 2)
@@ -176,7 +177,7 @@ def fit_net(
 
 
 def _scales(codes: Tensor, inputs: Tensor, changes: list[Tensor]) -> dict[str, Tensor]:
-    """What `Net` measures by, of all frames' codes and inputs and of the changes within each recording."""
+    """What `CodeNet` measures by, of all frames' codes and inputs and of the changes within each recording."""
     mean, centre = codes.mean(dim=0), inputs.mean(dim=0)
     spread, seen = _spread(codes), _spread(inputs)
     far, reach = ((inputs - centre) / seen).abs().amax(dim=0), ((codes - mean) / spread).norm(dim=1).max()

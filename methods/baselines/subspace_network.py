@@ -10,14 +10,14 @@ from itertools import pairwise
 import torch
 from torch import Tensor, nn
 
-from garmentbench.methods.baselines.rollouts import Config, Net, TrainedDynamics, config_for
+from garmentbench.methods.baselines.rollouts import CodeNet, Config, TrainedDynamics, config_for
 
 __all__ = ["Config", "SubspaceNetwork", "config_for"]
 
 Memory = tuple[Tensor, Tensor]  # the last code and the one before it
 
 
-class _Net(Net):
+class _Net(CodeNet):
     def build(self, width: int, codes: int, inputs: int) -> None:
         sizes = (2 * codes + inputs, width, width)
         hidden = [part for a, b in pairwise(sizes) for part in (nn.Linear(a, b), nn.ELU())]

@@ -53,10 +53,12 @@ class RelativeConv(nn.Module):
         shifted_mask = F.unfold(mask[None, None], KERNEL, padding=KERNEL // 2)[0]
         of_mask = of_seeds.reshape(batch, -1, KERNEL**2) @ shifted_mask
         result = of_positions - of_mask.reshape(batch, -1, height, width)
-        return result if self.chart is None else result + self.of_chart(mask)
+        return result + self.of_chart(mask)
 
-    def of_chart(self, mask: Tensor) -> Tensor:
-        """What the chart's channel adds, shape (1, O, H, W)."""
+    def of_chart(self, mask: Tensor) -> Tensor | float:
+        """What the chart's channel adds, shape (1, O, H, W); 0 where there is none."""
+        if self.chart is None:
+            return 0.0
         return F.conv2d(CHART_UNIT * mask[None, None], self.chart, padding=KERNEL // 2)
 
 

@@ -125,7 +125,7 @@ class SeedGeometry:
 
     def __init__(self, layer: RelativeConv, chart: ChartMap) -> None:
         weight = layer.weight
-        self.constant = 0.0 if layer.chart is None else layer.of_chart(chart.mask)
+        self.constant = layer.of_chart(chart.mask)
         self.of_positions = weight.sum(dim=1)
         self.of_seeds = weight.flatten(1, 2).permute(1, 0, 2, 3).flatten(1).contiguous()
         self.mask = F.unfold(chart.mask[None, None], KERNEL, padding=KERNEL // 2)[0]
