@@ -27,9 +27,8 @@ CORNER = wp.constant(3)  # a particle beside a face, and the nearest point of th
 EDGES = wp.constant(4)  # two edges
 TANGLE = wp.constant(5)  # an end of an edge and the face that it goes through; the gap is a speed [m/s]
 # Times the frequency of a particle's contact with the body: taut cloth presses hard on few particles, and gets through
-# itself in a twist at a third of this.
+# itself in a twist, and skin through tight sleeves, at a third of this.
 HARDER = wp.constant(3.0)
-SKIN = wp.constant(9.0)  # ... of a sample's contact with it: where skins press cloth on cloth, they come first
 FAR = wp.constant(0.003)  # [m] farther apart than this and the gap, cloth does not meet in the next substep
 
 
@@ -133,7 +132,7 @@ def press(c: Cloth, k: Constraints, p: Physics, j: int, since: float) -> float:
     push = float(0.0)
     if meets(c, k, j, since):
         speed = wp.dot(blend(c.v, k.index[j], k.weight[j]) - k.velocity[j], k.normal[j])
-        frequency = wp.where(k.kind[j] == BODY, SKIN, HARDER) * p.contact_frequency
+        frequency = HARDER * p.contact_frequency
         q = frequency * p.dt
         damp = q * q + 2.0 * p.contact_damping * q
         penetration = wp.min(k.gap[j] - apart(c, k, j, since), p.contact_depth)
