@@ -166,12 +166,12 @@ def _verdict(file: Path, problems: list[Problem]) -> None:
     """Print the problems, errors first, and a last line. Raises `UserError` where there are errors."""
     for problem in sorted(problems, key=lambda p: p.warning):
         print(f"{'warning' if problem.warning else 'error'}: {problem}")
-    from garmentbench.importing.mesh_doctor.unworn import SLIPPED
+    from garmentbench.importing.mesh_doctor.unworn import Slipped
 
     bad = len(errors(problems))
     if bad:
         raise UserError(f"{file}: {bad} error{'s' if bad > 1 else ''}, listed above; the file can't be used as it is")
-    off = next((p.where for p in problems if p.warning and p.what.startswith(SLIPPED)), "")
+    off = next((p.where for p in problems if isinstance(p, Slipped)), "")
     if off:
         print(f"{file}: whole, but not worn from {off} on at the latest: see the warnings")
     else:

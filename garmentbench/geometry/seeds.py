@@ -122,12 +122,7 @@ def _spokes(body: np.ndarray, ring: np.ndarray) -> np.ndarray:
 
 def _normals(spokes: np.ndarray) -> np.ndarray:
     """Unit normals of the seeds, the average of the unit normals of the faces round them, shape (..., N, 3)."""
-    return normalised(normalised(_cross(spokes[..., 0, :], spokes[..., 1, :])).sum(axis=-2))
-
-
-def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Cross products along the last axis."""
-    return np.moveaxis(cross(np.moveaxis(a, -1, 0), np.moveaxis(b, -1, 0)), 0, -1)
+    return normalised(normalised(cross(spokes[..., 0, :], spokes[..., 1, :])).sum(axis=-2))
 
 
 def _frames(body: np.ndarray, ring: np.ndarray, along: np.ndarray) -> np.ndarray:
@@ -136,4 +131,4 @@ def _frames(body: np.ndarray, ring: np.ndarray, along: np.ndarray) -> np.ndarray
     normals = _normals(spokes)
     tangent = np.einsum("...nkcx,nkc->...nx", spokes, along)
     tangent = normalised(tangent - np.sum(tangent * normals, axis=-1, keepdims=True) * normals)
-    return np.stack([tangent, _cross(normals, tangent), normals], axis=-1)
+    return np.stack([tangent, cross(normals, tangent), normals], axis=-1)

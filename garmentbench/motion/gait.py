@@ -60,7 +60,6 @@ WALK = Gait(arm_space=22.0)
 # The numbers of "armspace" are settings of the paper's source of motions (Mixamo), not degrees. Ours in degrees keep
 # the fore-arms off the torso (5 cm at 12 degrees). A catwalk's arms are held a little away: between upper arm and
 # trunk there is little room for cloth at 14 degrees.
-
 GAITS = {
     "armspace-60": replace(WALK, arm_space=14.0),
     "armspace-75": WALK,

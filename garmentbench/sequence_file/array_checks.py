@@ -198,5 +198,6 @@ def through_itself(a: Arrays) -> list[Problem]:
     if percent <= CROSSING_PERCENT:
         return []
     what = f"{percent:.2g} % of the faces cross others, most of them ({crossing[frame].sum()}) in frame {frame}"
-    do = "simulate it with self_contact = true under [simulation], or bear it in mind"
+    do = "look at it (garmentbench view): is its scene's self_contact off, or is cloth pressed where there is no room "
+    do += "for it, as under arms held close (import-motion --arm-space)?"
     return [Problem("garment/frames", what, do, warning=True)]

@@ -42,9 +42,9 @@ class DynamicEncoder(nn.Module):
         """Take the root mean squares of inputs in the chart's `covered` pixels for units (option `Stage2.units`)."""
         squares, count = torch.zeros(3, dtype=torch.float64), 0
         for part in parts:
-            forces = torch.zeros(1) if part.strength is None else part.strength
-            each = (part.motion[:, :3], part.motion[:, 3:], forces)
-            squares += torch.stack([x.square().sum().double().cpu() / x.shape[1 % x.ndim] for x in each])
+            maps = [part.motion[:, :3], part.motion[:, 3:], *([] if part.strength is None else [part.strength])]
+            for k, x in enumerate(maps):
+                squares[k] += x.square().sum().double().cpu() / x.shape[1]
             count += covered * len(part.motion)
         units = (squares / max(count, 1)).sqrt()
         velocity, acceleration, force = torch.where(units > 0, units, 1.0).tolist()

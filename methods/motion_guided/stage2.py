@@ -64,8 +64,7 @@ def fit_stage2(
 
 def sample_inputs(model: GenerativeModel, sample: Sample, options: Stage2) -> Inputs:
     """Teacher-forced inputs of samples."""
-    s = sample
-    return dynamic_inputs(model, s.past, s.before, s.now, s.on, options)
+    return dynamic_inputs(model, sample.past, sample.before, sample.now, sample.on, options)
 
 
 @torch.no_grad()

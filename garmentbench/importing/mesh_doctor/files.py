@@ -31,8 +31,14 @@ _WANTED = (
     "a garment: rest (V, 3), faces (F, 3), and as far as there are any uv (V, 2), seams (S, 2), pins (P,), cut (V, 2)"
 )
 _AGAIN = "write it again with numpy.savez_compressed, or export OBJ"
-_SHAPES = {"rest": ("f", (3,)), "faces": ("iu", (3,)), "uv": ("f", (2,)), "seams": ("iu", (2,)), "pins": ("iu", ())}
-_SHAPES["cut"] = ("f", (2,))
+_SHAPES = {
+    "rest": ("f", (3,)),
+    "faces": ("iu", (3,)),
+    "uv": ("f", (2,)),
+    "seams": ("iu", (2,)),
+    "pins": ("iu", ()),
+    "cut": ("f", (2,)),
+}
 
 
 def is_mesh_file(path: Path) -> bool:

@@ -1,6 +1,6 @@
 """Findings on garments that nobody wears, with the likely cause."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,7 +21,10 @@ from garmentbench.importing.mesh_doctor.worn import is_worn, of_frame
 from garmentbench.importing.meshes.conventions import UNITS, unit_name
 from garmentbench.sequence import HUMAN, Sequence
 
-SLIPPED = "worn in frame 0, but here"
+
+@dataclass(frozen=True)
+class Slipped(Problem):
+    """A garment that is worn in frame 0 and not in a later one, which `where` names."""
 
 
 def not_worn(mesh: Mesh, wearer: Wearer, units: str = "m") -> list[Finding]:
@@ -75,7 +78,7 @@ def never_worn(sequence: Sequence) -> list[Problem]:
             shift = other_time(sequence)
             likely = f"{later(shift)}? Export" if shift else "do both have the same times and rate? If not, export"
             do = f"look at it (garmentbench view); {likely} both over the same frames"
-            return [Problem(f"frame {frame}", f"{SLIPPED} {off}", do, warning=True)]
+            return [Slipped(f"frame {frame}", f"worn in frame 0, but here {off}", do, warning=True)]
         return [Problem("frame 0", off, f"{likely_cause(sequence)}; look at it (--picture)")]
     return []
 

@@ -1,6 +1,7 @@
 """Pairing the frames of garment and body by their times, on the frames that both have."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -58,7 +59,7 @@ def paired(garment: MeshSequence, body: MeshSequence | None, fps: float | None, 
     notes += more
     together = _Together(garment, body, ours, theirs, same_start)
     together.refuse()
-    kept, near = together.kept, together.near
+    kept, near = together.pairs
     if len(kept) < max(len(ours), len(theirs)) or same_start:
         notes = (*notes, f"frames: {len(kept)} that both have, from {_span(garment, ours[kept])}; {together.spans}")
     counted = garment.counted and body.counted
@@ -112,7 +113,7 @@ class _Together:
     theirs: np.ndarray
     same_start: bool
 
-    @property
+    @cached_property
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
         """Frames of the garment, and of the body, that are at the same times."""
         ours, theirs = self.ours, self.theirs
@@ -128,17 +129,14 @@ class _Together:
 
     @property
     def kept(self) -> np.ndarray:
+        """Frames of the garment that the body has, too."""
         return self.pairs[0]
 
-    @property
-    def near(self) -> np.ndarray:
-        return self.pairs[1]
-
-    @property
+    @cached_property
     def _steps(self) -> list[float]:
         return [float(np.median(np.diff(t))) if len(t) > 1 else np.inf for t in (self.ours, self.theirs)]
 
-    @property
+    @cached_property
     def common(self) -> float:
         """Time between frames that both have."""
         return float(np.median(np.diff(self.ours[self.kept]))) if len(self.kept) > 1 else max(self._steps)
