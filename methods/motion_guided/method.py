@@ -18,7 +18,7 @@ from garmentbench.methods.motion_guided.generative import GenerativeModel
 from garmentbench.methods.motion_guided.runtime import Runtime
 from garmentbench.methods.motion_guided.seams import Seams
 from garmentbench.methods.motion_guided.stages import train_stages
-from garmentbench.methods.training import load, save
+from garmentbench.methods.training import load, save, without_denormals
 from garmentbench.sequence import Sequence, Template
 from garmentbench.storage.atomic import write_text
 
@@ -68,7 +68,6 @@ class MotionGuided:
 
         Raises `UserError` where there is no body to be relative to.
         """
-        torch.set_flush_denormal(True)  # denormal numbers slow C's convolutions sixfold
         template = train[0].template
         canonical, config = Canonical.of(template, config.model), for_scene(config, template.needs)
         generative, dynamics = train_stages(train, canonical, config, run, _device())
@@ -108,10 +107,9 @@ class MotionGuided:
     @torch.no_grad()
     def step(self, state: State, body: BodyFrame) -> tuple[np.ndarray, State]:
         """Garment vertices [m], shape (V, 3), at the frame of `body`. Not finite where the model has blown up."""
-        torch.set_flush_denormal(True)
         with span("prepare"):
             now = self._body(_there(body.vertices))
-        with span("predict"):
+        with span("predict"), without_denormals():
             code = self.runtime.code(state.garments, state.body, now)
             posed, rotations = self.runtime.garment(code, now.pose)
             garment, closed = self._world(now, posed)
@@ -119,10 +117,11 @@ class MotionGuided:
         if state.collision is not None and residual is not None and np.isfinite(garment).all():
             with span("collide"):
                 obstacle = now.local(_there(body.vertices)[None])[0].cpu().numpy()
+                decoded = posed.cpu().numpy()
                 pushed, residual = state.collision.resolve(
-                    posed.cpu().numpy(), lambda: self.runtime.directions(rotations).cpu().numpy(), obstacle, residual
+                    decoded, lambda: self.runtime.directions(rotations).cpu().numpy(), obstacle, residual
                 )
-                if residual is not state.residual:
+                if pushed is not decoded:
                     garment, closed = self._world(now, torch.from_numpy(pushed).to(posed))
         garments = np.concatenate([state.garments[1:], garment[None]])
         return closed, State(garments, now, before, state.collision, residual)

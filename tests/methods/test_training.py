@@ -82,3 +82,11 @@ def test_learning_rates():
     cycle = [learning_rate(Training(steps=100, learning_rate=1.0, schedule="one_cycle"), s) for s in range(100)]
     assert np.argmax(cycle) == 10 and cycle[10] == pytest.approx(1) and cycle[55] == pytest.approx(0.5)
     assert 0 < cycle[-1] < 0.01 and cycle[0] < 0.1
+
+
+def test_denormal_numbers_are_there_again_after_a_training(tmp_path):
+    _fit(Folder(tmp_path / "run"), steps=1)
+    assert np.nextafter(0.0, 1.0) * np.ones(1) > 0
+    with pytest.raises(KeyboardInterrupt):
+        _fit(Folder(tmp_path / "killed", kill_after=1), steps=3)
+    assert np.nextafter(0.0, 1.0) * np.ones(1) > 0

@@ -110,3 +110,25 @@ def test_every_parameter_gets_a_gradient(sequence, config, linear_paths):
 def _all_moved(module):
     idle = [n for n, p in module.named_parameters() if p.grad is None or not p.grad.abs().max() > 0]
     assert idle == []
+
+
+def test_what_is_pushed_out_is_kept_whether_the_residual_is_carried_on_or_not(trained, sequence):
+    """With `carry` a stage without a residual of its own hands on the one it was given: the garment is pushed still."""
+    ends = []
+    for carry in (False, True):
+        options = replace(trained.config.collision, solver="push", carry=carry, threshold=0.0, clearance=0.02)
+        method = MotionGuided(
+            trained.canonical, replace(trained.config, collision=options), trained.generative, trained.dynamics
+        )
+        state = method.begin(sequence.template, History.before(sequence, 3))
+        thick = sequence.body[3] * np.float32([1.3, 1.3, 1.0])  # the tube is inside
+        garment, after = method.step(state, BodyFrame(thick))
+        ends.append(np.abs(garment - after.before_collision).max())
+    assert ends[0] > 0.01 and ends[1] == pytest.approx(ends[0], abs=1e-6)
+
+
+def test_denormal_numbers_are_there_again_after_a_step(trained, sequence):
+    """They are the whole thread's: without them scipy's KDTree of points of which half have a coordinate of 0 recursed
+    until the process died."""
+    trained.step(trained.begin(sequence.template, History.before(sequence, 3)), BodyFrame(sequence.body[3]))
+    assert np.nextafter(0.0, 1.0) * np.ones(1) > 0
