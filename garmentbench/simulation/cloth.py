@@ -1,6 +1,7 @@
 """The solver: a fabric and a collider on one device, advanced frame by frame."""
 
 import math
+from functools import partial
 
 import numpy as np
 import warp as wp
@@ -13,6 +14,7 @@ from garmentbench.simulation.contacts.contact_set import ContactSet
 from garmentbench.simulation.damping import BendDamping
 from garmentbench.simulation.integrate import accelerate_pass, advance_serial, area_pass, force_pass, move_pass
 from garmentbench.simulation.kernels import Cloth, Contact, Physics
+from garmentbench.simulation.recording import Recorded
 from garmentbench.simulation.time_step import damping_stages, stretch_damping
 
 
@@ -61,7 +63,10 @@ class Solver:
             )
         self.collider = None if touched is None else Collider(*touched, self.cloth, device)
         self.shared = ContactSet(fabric, self.cloth, self.contact, self.collider, self.physics, settings, device)
-        self._graph = None
+        self._stretches = [
+            (Recorded(partial(self._move, q), device), Recorded(partial(self._go_on, q), device))
+            for q in range(self.queries)
+        ]
 
     @property
     def positions(self) -> Float[np.ndarray, "particles 3"]:
@@ -83,27 +88,26 @@ class Solver:
 
     def advance(self) -> None:
         """One frame. The collider must hold that frame already."""
-        if not wp.get_device(self.device).is_cuda:
-            self._frame()
-        elif self._graph is None:
-            self._frame()  # loads the modules, which can't be done while recording
-            with wp.ScopedCapture(self.device) as capture:
-                self._frame()
-            self._graph = capture.graph
-        else:
-            wp.capture_launch(self._graph)
-
-    def _frame(self) -> None:
-        interval = self.frame_time / self.queries
-        for q in range(self.queries):
+        for move, go_on in self._stretches:
             if self.collider is not None:
-                self.collider.move_to(q / self.queries, (q + 1) / self.queries, interval)
-                self.collider.touch(self.contact, interval)
-            self.shared.update(q, self.frame_time)
-            self._launch(area_pass, len(self.cloth.x), [self.cloth])
-            if self.damping is not None:
-                self.damping.apply()
-            self._integrate()
+                move()
+                self.collider.refit()
+            go_on()
+
+    def _move(self, query: int) -> None:
+        """Bring the collider to the time of a query, but for its meshes' boxes."""
+        assert self.collider is not None
+        self.collider.move_to(query / self.queries, (query + 1) / self.queries, self.frame_time / self.queries)
+
+    def _go_on(self, query: int) -> None:
+        """From a query to the next."""
+        if self.collider is not None:
+            self.collider.touch(self.contact, self.frame_time / self.queries)
+        self.shared.update(query, self.frame_time)
+        self._launch(area_pass, len(self.cloth.x), [self.cloth])
+        if self.damping is not None:
+            self.damping.apply()
+        self._integrate()
 
     def _integrate(self) -> None:
         """All substeps up to the next query."""

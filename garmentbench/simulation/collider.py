@@ -59,8 +59,11 @@ class Collider:
             array.assign(values.astype(np.float32))
 
     def move_to(self, u0: float, u1: float, interval: float) -> None:
-        """Bring the meshes to the fraction u0 of the frame; their velocities lead to u1."""
+        """Bring the points to the fraction u0 of the frame; their velocities lead to u1. `refit` has to follow."""
         wp.launch(move_surface, dim=self.count, inputs=[self.surface, u0, u1, interval], device=self.device)
+
+    def refit(self) -> None:
+        """Bring the meshes to where their points are now."""
         for mesh in self.meshes:
             mesh.refit()
 

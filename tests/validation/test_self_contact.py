@@ -9,6 +9,7 @@ from sheets import FPS, HARD, floor, grid, run
 from garmentbench.geometry.crossing import crossing_faces
 from garmentbench.scenes.material import Material, Settings
 from garmentbench.sequence import Garment
+from garmentbench.simulation.recording import Recorded
 
 CLOTH, THICKNESS = Material(), Material().thickness
 TOUCHING = Settings()
@@ -55,6 +56,12 @@ def test_a_folded_sheet_comes_to_lie_on_itself(self_contact, apart):
 def test_serial_path_is_the_two_pass_path():
     one, other = dropped(TOUCHING)[1], dropped(TOUCHING, serial=False)[1]
     np.testing.assert_allclose(one.positions[10], other.positions[10], atol=2e-6)
+
+
+def test_replayed_launches_give_the_same_bytes(monkeypatch):
+    replayed = dropped(TOUCHING)[1].positions
+    monkeypatch.setattr(Recorded, "__call__", lambda recorded: recorded.launches())
+    assert replayed.tobytes() == dropped(TOUCHING)[1].positions.tobytes()
 
 
 def test_a_fast_sheet_does_not_go_through_another():

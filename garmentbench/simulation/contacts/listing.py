@@ -94,12 +94,6 @@ class ContactList:
         ):
             setattr(k, name, wp.zeros(count, dtype=kind, device=device))
 
-    @property
-    def width(self) -> int:
-        """Threads for a pass over contacts: all that there may be, or on a CPU, where the number can be read, all that
-        there are."""
-        return self.capacity if wp.get_device(self.device).is_cuda else int(self.constraints.count.numpy()[0])
-
     def number(self) -> None:
         """Give each owner the place `first` of its contacts, by `found`, their number."""
         wp.utils.array_scan(self.found, self.first, inclusive=False)
@@ -107,7 +101,7 @@ class ContactList:
 
     def index(self) -> None:
         """Collect the entries of each particle, once all contacts are written."""
-        k, width = self.constraints, self.width
+        k, width = self.constraints, self.capacity
         wp.launch(count_entries, width, [k, self.entries], device=self.device)
         wp.utils.array_scan(self.entries, k.start, inclusive=False)
         wp.launch(fill_entries, width, [k, self.entries], device=self.device)
@@ -115,7 +109,7 @@ class ContactList:
 
     def resolve(self, cloth: Cloth, physics: Physics, substep: int) -> None:
         """One substep in parallel: what `constraints.resolve` does in one thread."""
-        k, width = self.constraints, self.width
+        k, width = self.constraints, self.capacity
         for kernel, dim, inputs in (
             (press_pass, width, [cloth, k, physics, substep]),
             (divide_pass, self.particles, [k]),

@@ -37,6 +37,7 @@ def test_it_is_the_reference_s_own_motion():
     *ends, wind = obstacle.between(2, np.zeros(3), 30.0)
     solver.collider.set_frame(*ends, wind)
     solver.collider.move_to(0.625, 0.75, 1 / 240)
+    solver.collider.refit()
     np.testing.assert_allclose(solver.collider.surface.points.numpy(), hermite(*ends, 0.625), atol=1e-6)
 
 
