@@ -91,17 +91,9 @@ def drive(
         step: Called after each frame.
     """
     fabric = assemble(garment, material, settings)
-    if isinstance(frames, int):
-        obstacle, origins = None, np.tile(start.astype(np.float64).mean(axis=0), (frames, 1))
-    else:
-        assert body is not None, "positions without a body's template"
-        obstacle = Obstacle.of(body, frames, inner)
-        origins = _origins(obstacle)
+    obstacle, origins = _surroundings(start, body, frames, inner)
     count = len(origins)
-    first = np.zeros_like(fabric.rest)
-    first[fabric.particle] = start - origins[0] + _noise(fabric, settings)[fabric.particle]
-    if push is not None and push.frame == 0:
-        first += push.offsets(first, fabric.pinned)
+    first = _first(fabric, start - origins[0], settings, push)
     touched = None if obstacle is None else (obstacle.surfaces, obstacle.positions[0] - origins[0])
     if budget is None:
         kind, n = Solver, substeps(fabric, material, settings, 1 / fps)
@@ -126,6 +118,26 @@ def drive(
         step()
     out.ms_per_frame = 1e3 * (time.perf_counter() - begin) / max(count - 2, 1)
     return out
+
+
+def _surroundings(
+    start: np.ndarray, body: Body | None, frames: np.ndarray | int, inner: tuple[Body, np.ndarray] | None
+) -> tuple[Obstacle | None, np.ndarray]:
+    """What the garment touches, as `drive` is given it, and the local origin of each frame, shape (T, 3), float64."""
+    if isinstance(frames, int):
+        return None, np.tile(start.astype(np.float64).mean(axis=0), (frames, 1))
+    assert body is not None, "positions without a body's template"
+    obstacle = Obstacle.of(body, frames, inner)
+    return obstacle, _origins(obstacle)
+
+
+def _first(fabric: Fabric, start: np.ndarray, settings: Settings, push: Push | None) -> np.ndarray:
+    """First positions of the particles [m], shape (P, 3), of those of the garment's vertices, local axes, (V, 3)."""
+    first = np.zeros_like(fabric.rest)
+    first[fabric.particle] = start + _noise(fabric, settings)[fabric.particle]
+    if push is not None and push.frame == 0:
+        first += push.offsets(first, fabric.pinned)
+    return first
 
 
 def _origins(obstacle: Obstacle) -> np.ndarray:
