@@ -4,7 +4,6 @@ import os
 import shutil
 import subprocess
 import sys
-import tarfile
 import zipfile
 from pathlib import Path
 
@@ -23,8 +22,7 @@ def wheel(tmp_path_factory) -> Path:
     )
     shutil.copytree(CHECKOUT, folder / "checkout", symlinks=True, ignore=ignored)
     _done([sys.executable, "-c", SDIST, str(folder)], folder / "checkout")
-    with tarfile.open(next(folder.glob("*.tar.gz"))) as archive:
-        archive.extractall(folder / "unpacked", filter="data")
+    shutil.unpack_archive(next(folder.glob("*.tar.gz")), folder / "unpacked")
     source = next((folder / "unpacked").iterdir())
     flags = ("--no-deps", "--no-build-isolation", "--no-index", "--quiet", "--wheel-dir", str(folder))
     _done([sys.executable, "-m", "pip", "wheel", *flags, str(source)], folder)
