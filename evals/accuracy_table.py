@@ -19,6 +19,7 @@ MAIN = (  # the main table's columns after the errors against the first run
     "liveliness",
     "jitter",
     "skill",
+    "novelty_correlation",
     "ms_per_frame",
 )
 PAPER = (

@@ -17,6 +17,7 @@ from garmentbench.storage import hdf5
 ROLL_OUT, ONE_STEP = "roll_out", "one_step"
 OK, DIVERGED, FAILED = "ok", "diverged", "failed"
 SCHEMA = 1
+_ARRAYS = ("garment", "before_collision", "ms", "processor_ms", "novelty")
 _REMAKE = "evaluate again (garmentbench evaluate)"
 _WARM_UP_STEPS = 3
 RETURN_A_PAIR = "return (positions, state)"
@@ -38,6 +39,8 @@ class RollOut:
         first_bad_frame: The frame at which it diverged or failed; None where it did not.
         message: What happened there; empty where all is well.
         processor_ms: Processor time of each frame [ms], shape (T,); None where it was not taken (with a CUDA device).
+        novelty: How far each frame is from what the method was trained on, shape (T,), as it says itself (see
+            `garmentbench.method`); None where it never does.
     """
 
     kind: str
@@ -49,6 +52,7 @@ class RollOut:
     first_bad_frame: int | None = None
     message: str = ""
     processor_ms: Float[np.ndarray, " frames"] | None = None
+    novelty: Float[np.ndarray, " frames"] | None = None
 
     def save(self, path: Path) -> None:
         """Write as HDF5, whole or not at all. Raises `UserError` when it can't be written."""
@@ -59,6 +63,8 @@ class RollOut:
                 hdf5.put(file, "before_collision", self.before_collision)
             if self.processor_ms is not None:
                 hdf5.put(file, "processor_ms", self.processor_ms)
+            if self.novelty is not None:
+                hdf5.put(file, "novelty", self.novelty)
             bad = -1 if self.first_bad_frame is None else self.first_bad_frame
             hdf5.put_attributes(
                 file, kind=self.kind, start=self.start, status=self.status, first_bad_frame=bad, message=self.message
@@ -68,15 +74,17 @@ class RollOut:
     def load(cls, path: Path) -> "RollOut":
         """Read a roll-out. Raises `UserError` for a file that is missing, foreign, damaged or of another schema."""
         with hdf5.opened(path, "roll-out", SCHEMA, _REMAKE) as file:
-            arrays = [hdf5.dataset(file, name) for name in ("garment", "before_collision", "ms", "processor_ms")]
-            garment, before, ms, processor_ms = (None if a is None else a[()] for a in arrays)
+            arrays = [hdf5.dataset(file, name) for name in _ARRAYS]
+            garment, before, ms, processor_ms, novelty = (None if a is None else a[()] for a in arrays)
             kinds = {"kind": str, "start": int, "status": str, "first_bad_frame": int, "message": str}
             values: dict[str, Any] = {name: hdf5.attribute(file, name, kind) for name, kind in kinds.items()}
         if garment is None or ms is None or None in values.values():
             raise UserError(f"{path}: parts of the roll-out are missing; {_REMAKE}")
         if values["first_bad_frame"] < 0:
             values["first_bad_frame"] = None
-        return cls(garment=garment, before_collision=before, ms=ms, processor_ms=processor_ms, **values)
+        return cls(
+            garment=garment, before_collision=before, ms=ms, processor_ms=processor_ms, novelty=novelty, **values
+        )
 
 
 def roll_out(method: Method, sequence: Sequence, progress: Callable[[], None] | None = None) -> RollOut:
@@ -116,7 +124,7 @@ def _run(kind: str, method: Method, sequence: Sequence, progress: Callable[[], N
     garment = np.full_like(sequence.garment, np.nan)
     garment[:HISTORY] = sequence.garment[:HISTORY]
     before, ms = np.full_like(garment, np.nan), np.full((len(sequence), len(PARTS)), np.nan)
-    processor_ms = np.full(len(sequence), np.nan)
+    processor_ms, novelty = np.full((2, len(sequence)), np.nan)
     limit = _limit(sequence.template)
     ending: tuple[str, int | None, str] = (OK, None, "")
     frame, state = HISTORY, None
@@ -134,6 +142,8 @@ def _run(kind: str, method: Method, sequence: Sequence, progress: Callable[[], N
             processor_ms[frame] = np.nan if clock.processor_ms is None else clock.processor_ms
             if getattr(state, "before_collision", None) is not None:
                 before[frame] = np.asarray(state.before_collision)
+            if getattr(state, "novelty", None) is not None:
+                novelty[frame] = float(state.novelty)
             if progress is not None:
                 progress()
     except _Bad as e:
@@ -150,6 +160,7 @@ def _run(kind: str, method: Method, sequence: Sequence, progress: Callable[[], N
         ms,
         *ending,
         processor_ms=processor_ms if np.isfinite(processor_ms).any() else None,
+        novelty=novelty if np.isfinite(novelty).any() else None,
     )
 
 

@@ -90,6 +90,7 @@ def _motion(roll: RollOut, sequence: Sequence) -> Motion:
         before,
         roll.ms[frames],
         processor_ms,
+        None if roll.novelty is None else roll.novelty[frames],
         None if sequence.runs is None else sequence.runs[:, frames],
     )
 

@@ -16,6 +16,7 @@ from garmentbench.metrics.liveliness import LIVELINESS
 from garmentbench.metrics.metric import Metric, Motion, scores
 from garmentbench.metrics.ms_per_frame import TIMES
 from garmentbench.metrics.normal_angle import NORMAL_ANGLE
+from garmentbench.metrics.novelty import NOVEL_FRAMES, NOVELTY_CORRELATION
 from garmentbench.metrics.push_growth import PUSH_GROWTH
 from garmentbench.metrics.self_intersection import CROSSING_FACES_MAX, SELF_INTERSECTION
 from garmentbench.metrics.skill import SKILL
@@ -47,6 +48,8 @@ METRICS = {  # what every roll-out is scored by
         DIHEDRAL_RMS,
         NORMAL_ANGLE,
         DISPLACEMENT_SPECTRUM,
+        NOVELTY_CORRELATION,
+        NOVEL_FRAMES,
         *TIMES,
     )
 }

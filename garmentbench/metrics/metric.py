@@ -32,6 +32,8 @@ class Motion:
         before_collision: As `predicted`, before the method's collision stage; None where it has none.
         ms: Wall time of each frame's prepare, predict and collide [ms], shape (T, 3); None where nothing was timed.
         processor_ms: Processor time of each frame [ms], shape (T,); None where it was not taken.
+        novelty: How far each frame is from what the method was trained on, shape (T,), NaN where it didn't say; None
+            where it never does.
         runs: Further runs of the reference [m], shape (M, T, V, 3); None where there are none.
         kept: What `once` has measured; motions that come from one another by `replace` share it.
     """
@@ -43,6 +45,7 @@ class Motion:
     before_collision: Float[np.ndarray, "frames vertices 3"] | None = None
     ms: Float[np.ndarray, "frames 3"] | None = None
     processor_ms: Float[np.ndarray, " frames"] | None = None
+    novelty: Float[np.ndarray, " frames"] | None = None
     runs: Float[np.ndarray, "runs frames vertices 3"] | None = None
     kept: dict = field(default_factory=dict, repr=False, compare=False)
 
@@ -55,7 +58,9 @@ class Motion:
     def truth(self) -> "Motion":
         """The reference in the prediction's place; it has no collision stage and was not timed."""
         before = None if self.before_collision is None else self.reference
-        return replace(self, predicted=self.reference, before_collision=before, ms=None, processor_ms=None)
+        return replace(
+            self, predicted=self.reference, before_collision=before, ms=None, processor_ms=None, novelty=None
+        )
 
     def once(self, measure: Callable[[Any, "Motion"], T], positions: Float[np.ndarray, "frames vertices 3"]) -> T:
         """`measure(positions, self)`, measured once, however many metrics ask and in whosever place the positions are:

@@ -1,7 +1,9 @@
 """What methods have in common that advance a garment's code frame by frame, beside the body's."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -9,6 +11,7 @@ import numpy as np
 from garmentbench.geometry.blend_skinning import Skin, SkinOf, place
 from garmentbench.method import HISTORY, BodyFrame, History, span
 from garmentbench.methods.baselines.subspace import Subspace, features
+from garmentbench.methods.novelty import Novelty
 from garmentbench.sequence import Template
 
 AGO = tuple(range(HISTORY, -1, -1))  # frames before the present one, in which the body is looked at
@@ -17,20 +20,28 @@ AGO = tuple(range(HISTORY, -1, -1))  # frames before the present one, in which t
 @dataclass(frozen=True)
 class State:
     """skin: carries the garment. bodies: the last three [m], (3, B, 3), or None. memory: the method's, as after
-    `CodeDynamics.start`."""
+    `CodeDynamics.start`. look: what `novelty` is asked of, the last frame's body and garment; None before the first."""
 
     skin: Skin
     bodies: np.ndarray | None
     memory: Any
+    look: Callable[[], float] | None = None
+
+    @property
+    def novelty(self) -> float | None:
+        """Of the last frame. It is found when it is asked for, so that it costs a step nothing."""
+        return None if self.look is None else self.look()
 
 
 class CodeDynamics(ABC):
     """Codes that are advanced frame by frame, to be given `following`. What is remembered between frames is the last
     two codes, unless `start` says otherwise."""
 
-    def __init__(self, seeds: np.ndarray, garment: Subspace, body: Subspace, turns: bool = False) -> None:
+    def __init__(
+        self, seeds: np.ndarray, garment: Subspace, body: Subspace, novelty: Novelty, turns: bool = False
+    ) -> None:
         """seeds: body vertices, shape (N,). turns: see `subspace.Sizes`."""
-        self.seeds, self.garment, self.body, self.turns = seeds, garment, body, turns
+        self.seeds, self.garment, self.body, self.novelty, self.turns = seeds, garment, body, novelty, turns
         self.skin_of = SkinOf(seeds, upright_objects=True)
 
     def start(self, last: np.ndarray, before: np.ndarray, seen: np.ndarray) -> Any:
@@ -59,7 +70,8 @@ class CodeDynamics(ABC):
             seen = self._seen(state.skin, bodies)
         code, memory = self.following(state.memory, seen)
         garment = place(maps, state.skin.rest + self.garment.decode(code).reshape(-1, 3)).astype(np.float32)
-        return garment, replace(state, bodies=None if bodies is None else bodies[1:], memory=memory)
+        look = partial(self.novelty, seen, code)
+        return garment, replace(state, bodies=None if bodies is None else bodies[1:], memory=memory, look=look)
 
     def _seen(self, skin: Skin, bodies: np.ndarray | None) -> np.ndarray:
         """The body's code in the last of some frames, shape (Q,)."""

@@ -16,6 +16,7 @@ from garmentbench.method import FitRun
 from garmentbench.methods.baselines.code_dynamics import AGO, CodeDynamics
 from garmentbench.methods.baselines.ridge_dynamics import advance, fit_dynamics
 from garmentbench.methods.baselines.subspace import Encoded, Sizes, Subspace, load, save
+from garmentbench.methods.novelty import Novelty
 from garmentbench.sequence import Sequence
 
 Memory = tuple[np.ndarray, np.ndarray]  # the last code and the one before it
@@ -28,20 +29,23 @@ class LinearSubspace(CodeDynamics):
     random = False
     Config = Sizes
 
-    def __init__(self, seeds: np.ndarray, garment: Subspace, body: Subspace, dynamics: np.ndarray) -> None:
+    def __init__(
+        self, seeds: np.ndarray, garment: Subspace, body: Subspace, novelty: Novelty, dynamics: np.ndarray
+    ) -> None:
         """seeds: body vertices, shape (N,). dynamics: as `fit_dynamics` gives it."""
-        super().__init__(seeds, garment, body)
+        super().__init__(seeds, garment, body, novelty)
         self.dynamics = dynamics
 
     @classmethod
     def fit(cls, train: tuple[Sequence, ...], config: Sizes, run: FitRun) -> "LinearSubspace":
         """Closed form; nothing is random. All bodies have the seeds that were chosen on the first."""
         known = Encoded.of(train, config, AGO)
-        return cls(known.seeds, known.garment, known.body, fit_dynamics(known.recordings))
+        return cls(known.seeds, known.garment, known.body, known.novelty, fit_dynamics(known.recordings))
 
     def save(self, folder: Path) -> None:
         """Write the fitted arrays."""
-        save(folder / "linear_subspace.npz", self.garment, self.body, seeds=self.seeds, dynamics=self.dynamics)
+        further = {"seeds": self.seeds, "dynamics": self.dynamics}
+        save(folder / "linear_subspace.npz", self.garment, self.body, self.novelty, **further)
 
     @classmethod
     def load(cls, folder: Path) -> "LinearSubspace":

@@ -18,6 +18,7 @@ from garmentbench.errors import UserError
 from garmentbench.method import HISTORY, FitRun
 from garmentbench.methods.baselines.code_dynamics import AGO, CodeDynamics
 from garmentbench.methods.baselines.subspace import Encoded, Sizes, Subspace, load, save
+from garmentbench.methods.novelty import Novelty
 from garmentbench.methods.training import Training, generator, train
 from garmentbench.sequence import Sequence
 
@@ -99,9 +100,11 @@ class TrainedDynamics(CodeDynamics):
     Net: ClassVar[type[CodeNet]]
     Config = Config
 
-    def __init__(self, seeds: np.ndarray, garment: Subspace, body: Subspace, turns: bool, net: CodeNet) -> None:
+    def __init__(
+        self, seeds: np.ndarray, garment: Subspace, body: Subspace, novelty: Novelty, turns: bool, net: CodeNet
+    ) -> None:
         """seeds: body vertices, shape (N,)."""
-        super().__init__(seeds, garment, body, turns)
+        super().__init__(seeds, garment, body, novelty, turns)
         self.net = net
 
     @classmethod
@@ -109,15 +112,14 @@ class TrainedDynamics(CodeDynamics):
         """Train on free roll-outs; a training that was interrupted goes on. Raises `UserError` for short sequences."""
         known = Encoded.of(train, config, AGO)
         net = fit_net(cls.Net, known.recordings, config, run, cls.name)
-        return cls(known.seeds, known.garment, known.body, config.turns, net)
+        return cls(known.seeds, known.garment, known.body, known.novelty, config.turns, net)
 
     def save(self, folder: Path) -> None:
         """Write the fitted arrays."""
         weights = {f"net.{name}": value.numpy() for name, value in self.net.state_dict().items()}
         width = np.array(self.net.width)
-        save(
-            _file(folder), self.garment, self.body, seeds=self.seeds, turns=np.array(self.turns), width=width, **weights
-        )
+        further = {"seeds": self.seeds, "turns": np.array(self.turns), "width": width, **weights}
+        save(_file(folder), self.garment, self.body, self.novelty, **further)
 
     @classmethod
     def load(cls, folder: Path) -> "TrainedDynamics":

@@ -11,7 +11,9 @@ A roll-out begins with three frames: until half a second has passed, the body is
 single step sees three poses, not sixteen: read its error in roll-outs.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +23,7 @@ from garmentbench.method import BodyFrame, FitRun, History, span
 from garmentbench.methods.baselines.held_out import folds
 from garmentbench.methods.baselines.ridge import STRENGTHS, Moments
 from garmentbench.methods.baselines.subspace import Encoded, Sizes, Subspace, features, load, save
+from garmentbench.methods.novelty import Novelty
 from garmentbench.sequence import Sequence, Template
 
 SECONDS = np.array([15, 12, 9, 6, 4, 2, 1, 0]) / 30  # before the present, at which the body is looked at
@@ -35,11 +38,18 @@ class Config(Sizes):
 
 @dataclass(frozen=True)
 class State:
-    """skin: carries the garment. ago: frames to look back. bodies: the last half second [m], (H, B, 3), or None."""
+    """skin: carries the garment. ago: frames to look back. bodies: the last half second [m], (H, B, 3), or None. look:
+    what `novelty` is asked of; None before the first step."""
 
     skin: Skin
     ago: tuple[int, ...]
     bodies: np.ndarray | None
+    look: Callable[[], float] | None = None
+
+    @property
+    def novelty(self) -> float | None:
+        """Of the last frame. It is found when it is asked for, so that it costs a step nothing."""
+        return None if self.look is None else self.look()
 
 
 class StaticRidge:
@@ -49,20 +59,23 @@ class StaticRidge:
     random = False
     Config = Config
 
-    def __init__(self, seeds: np.ndarray, garment: Subspace, body: Subspace, linear: np.ndarray) -> None:
+    def __init__(
+        self, seeds: np.ndarray, garment: Subspace, body: Subspace, novelty: Novelty, linear: np.ndarray
+    ) -> None:
         """seeds: body vertices, shape (N,). linear: from body codes and 1 to garment codes, shape (Q + 1, K)."""
-        self.seeds, self.garment, self.body, self.linear = seeds, garment, body, linear
+        self.seeds, self.garment, self.body, self.novelty, self.linear = seeds, garment, body, novelty, linear
         self.skin_of = SkinOf(seeds, upright_objects=True)
 
     @classmethod
     def fit(cls, train: tuple[Sequence, ...], config: Config, run: FitRun) -> "StaticRidge":
         """Closed form; nothing is random. All bodies have the seeds that were chosen on the first."""
         known = Encoded.of(train, config, looked_at(train[0].template.fps))
-        return cls(known.seeds, known.garment, known.body, fit_static(known.recordings, known.kinds))
+        return cls(known.seeds, known.garment, known.body, known.novelty, fit_static(known.recordings, known.kinds))
 
     def save(self, folder: Path) -> None:
         """Write the fitted arrays."""
-        save(folder / "static_ridge.npz", self.garment, self.body, seeds=self.seeds, linear=self.linear)
+        further = {"seeds": self.seeds, "linear": self.linear}
+        save(folder / "static_ridge.npz", self.garment, self.body, self.novelty, **further)
 
     @classmethod
     def load(cls, folder: Path) -> "StaticRidge":
@@ -81,8 +94,9 @@ class StaticRidge:
             if state.bodies is not None and body.vertices is not None:
                 bodies = np.concatenate([state.bodies[-max(state.ago[0], 1) :], body.vertices[None]])
             seen = self.body.encode(features(state.skin, bodies, state.ago))
-        shape = self.garment.decode(np.append(seen, 1.0) @ self.linear).reshape(-1, 3)
-        return place(maps, state.skin.rest + shape).astype(np.float32), replace(state, bodies=bodies)
+        code = np.append(seen, 1.0) @ self.linear
+        garment = place(maps, state.skin.rest + self.garment.decode(code).reshape(-1, 3)).astype(np.float32)
+        return garment, replace(state, bodies=bodies, look=partial(self.novelty, seen, code))
 
 
 def looked_at(fps: float) -> tuple[int, ...]:

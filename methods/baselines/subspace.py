@@ -11,6 +11,7 @@ from garmentbench.geometry.blend_skinning import Skin
 from garmentbench.geometry.seed_features import seed_features, seed_turns
 from garmentbench.method import HISTORY
 from garmentbench.methods.baselines.held_out import kind
+from garmentbench.methods.novelty import Novelty
 from garmentbench.sequence import Sequence
 
 _EXACT = 1000  # samples or dimensions up to which the components are found by a full decomposition
@@ -71,6 +72,7 @@ class Encoded:
         recordings: Of each sequence from the fourth frame on the codes of the garment, shape (T - 3, K), and of the
             body, shape (T - 3, Q).
         kinds: Of each sequence's motion.
+        novelty: How far others are from them.
     """
 
     seeds: np.ndarray
@@ -78,6 +80,7 @@ class Encoded:
     body: Subspace
     recordings: list[tuple[np.ndarray, np.ndarray]]
     kinds: list[str]
+    novelty: Novelty
 
     @classmethod
     def of(cls, train: tuple[Sequence, ...], sizes: Sizes, ago: tuple[int, ...]) -> "Encoded":
@@ -88,12 +91,14 @@ class Encoded:
         garment = Subspace.of(np.concatenate([shapes for shapes, _ in known]), sizes.codes)
         body = Subspace.of(np.concatenate([seen for _, seen in known]), sizes.body_codes)
         recordings = [(garment.encode(shapes[HISTORY:]), body.encode(seen)) for shapes, seen in known]
-        return cls(seeds, garment, body, recordings, [kind(sequence) for sequence in train])
+        codes, bodies = (np.concatenate(column) for column in zip(*recordings, strict=True))
+        novelty = Novelty.of(bodies, codes, [len(z) for z, _ in recordings])
+        return cls(seeds, garment, body, recordings, [kind(sequence) for sequence in train], novelty)
 
 
-def save(path: Path, garment: Subspace, body: Subspace, **arrays: np.ndarray) -> None:
-    """Write the subspaces of garment and body, and further arrays, as an .npz file."""
-    parts = {"garment": garment, "body": body}
+def save(path: Path, garment: Subspace, body: Subspace, novelty: Novelty, **arrays: np.ndarray) -> None:
+    """Write the subspaces of garment and body, what is known, and further arrays, as an .npz file."""
+    parts = {"garment": garment, "body": body, "novelty": novelty}
     written: dict[str, Any] = {f"{name}_{key}": v for name, part in parts.items() for key, v in vars(part).items()}
     written |= arrays
     np.savez(path, **written)
@@ -104,7 +109,8 @@ def load(path: Path) -> dict[str, Any]:
     with np.load(path, allow_pickle=False) as file:
         arrays: dict[str, Any] = dict(file)
     subspaces = {n: Subspace(arrays.pop(f"{n}_mean"), arrays.pop(f"{n}_basis")) for n in ("garment", "body")}
-    return subspaces | arrays
+    known = {key: arrays.pop(f"novelty_{key}") for key in ("known", "spread", "unit")}
+    return subspaces | arrays | {"novelty": Novelty(known["known"], known["spread"], float(known["unit"]))}
 
 
 def recorded(

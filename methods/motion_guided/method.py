@@ -1,7 +1,9 @@
 """The motion-guided model through the contract of `garmentbench.method`."""
 
 import json
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -18,11 +20,14 @@ from garmentbench.methods.motion_guided.generative import GenerativeModel
 from garmentbench.methods.motion_guided.runtime import Runtime
 from garmentbench.methods.motion_guided.seams import Seams
 from garmentbench.methods.motion_guided.stages import train_stages
+from garmentbench.methods.novelty import Novelty
 from garmentbench.methods.training import load, save, without_denormals
 from garmentbench.sequence import Sequence, Template
 from garmentbench.storage.atomic import write_text
 
 __all__ = ["VARIANTS", "Config", "MotionGuided", "config_for"]
+
+_NOVELTY = "novelty.npz"
 
 
 @dataclass(frozen=True)
@@ -37,6 +42,7 @@ class State:
             where there is no such stage.
         collision: The stage itself; None where the scene or the configuration has none.
         residual: The residual displacement map that it goes on from.
+        look: What `novelty` is asked of; None before the first step, and of imported networks.
     """
 
     garments: np.ndarray
@@ -44,6 +50,13 @@ class State:
     before_collision: np.ndarray | None
     collision: CollisionStage | None
     residual: Residual | None
+    look: Callable[[], float] | None = None
+
+    @property
+    def novelty(self) -> float | None:
+        """How far the last frame's seeds and code are from all training frames'. It is found when it is asked for, so
+        that it costs a step nothing."""
+        return None if self.look is None else self.look()
 
 
 class MotionGuided:
@@ -53,9 +66,15 @@ class MotionGuided:
     Config = Config
 
     def __init__(
-        self, canonical: Canonical, config: Config, generative: GenerativeModel, dynamics: DynamicEncoder
+        self,
+        canonical: Canonical,
+        config: Config,
+        generative: GenerativeModel,
+        dynamics: DynamicEncoder,
+        novelty: Novelty | None = None,
     ) -> None:
-        self.canonical, self.config = canonical, config
+        """novelty: How far others are from the training frames; None where these are not known."""
+        self.canonical, self.config, self.novelty = canonical, config, novelty
         self.generative, self.dynamics = generative, dynamics
         self.device = generative.rest.device
         with torch.no_grad():
@@ -70,15 +89,16 @@ class MotionGuided:
         """
         template = train[0].template
         canonical, config = Canonical.of(template, config.model), for_scene(config, template.needs)
-        generative, dynamics = train_stages(train, canonical, config, run, _device())
-        return cls(canonical, config, generative, dynamics)
+        return cls(canonical, config, *train_stages(train, canonical, config, run, _device()))
 
     def save(self, folder: Path) -> None:
-        """Write config.json, canonical.npz and weights.pt."""
+        """Write config.json, canonical.npz, weights.pt, and novelty.npz where the training frames are known."""
         write_text(folder / "config.json", json.dumps(asdict(self.config), indent=1))
         self.canonical.save(folder / "canonical.npz")
         weights = {"generative": self.generative.state_dict(), "dynamics": self.dynamics.state_dict()}
         save(weights, folder / "weights.pt")
+        if self.novelty is not None:
+            self.novelty.save(folder / _NOVELTY)
 
     @classmethod
     def load(cls, folder: Path) -> "MotionGuided":
@@ -89,7 +109,8 @@ class MotionGuided:
         dynamics = DynamicEncoder(config.model, len(canonical.seeds.rest), config.stage2)
         for module, state in ((generative, weights["generative"]), (dynamics, weights["dynamics"])):
             module.to(_device()).requires_grad_(False).load_state_dict(state)
-        return cls(canonical, config, generative, dynamics)
+        known = folder / _NOVELTY
+        return cls(canonical, config, generative, dynamics, Novelty.load(known) if known.is_file() else None)
 
     def begin(self, template: Template, history: History) -> State:
         """From true position, velocity and acceleration (three frames).
@@ -124,7 +145,8 @@ class MotionGuided:
                 if pushed is not decoded:
                     garment, closed = self._world(now, torch.from_numpy(pushed).to(posed))
         garments = np.concatenate([state.garments[1:], garment[None]])
-        return closed, State(garments, now, before, state.collision, residual)
+        look = None if self.novelty is None else partial(_look, self.novelty, now.pose.seeds, code)
+        return closed, State(garments, now, before, state.collision, residual, look)
 
     def _world(self, now: BodyFrames, posed: Tensor) -> tuple[np.ndarray, np.ndarray]:
         """A garment, shape (V, 3), in the world, as it goes on from and with its seams closed as it is given out."""
@@ -135,6 +157,10 @@ class MotionGuided:
         options, canonical = self.config.model, self.canonical
         turned = (options.seed_rotation, options.axes, self.device, canonical.upright)
         return body_frames(vertices[None], canonical.seeds, *turned)
+
+
+def _look(novelty: Novelty, seeds: Tensor, code: Tensor) -> float:
+    return novelty(seeds[0].flatten().cpu().numpy(), code[0].cpu().numpy())
 
 
 def _there(body: np.ndarray | None) -> np.ndarray:

@@ -14,9 +14,11 @@ from garmentbench.methods.motion_guided.config import Config
 from garmentbench.methods.motion_guided.dynamics import DynamicEncoder
 from garmentbench.methods.motion_guided.generative import GenerativeModel
 from garmentbench.methods.motion_guided.limbs import Limbs, find_limbs
+from garmentbench.methods.motion_guided.samples import encode_all
 from garmentbench.methods.motion_guided.sdf import SignedDistance, fit_sdf
 from garmentbench.methods.motion_guided.stage1 import TrainingFrames, fit_stage1, training_frames
 from garmentbench.methods.motion_guided.stage2 import fit_stage2
+from garmentbench.methods.novelty import Novelty
 from garmentbench.methods.training import WEIGHTS, load
 from garmentbench.sequence import Sequence, Template
 from garmentbench.storage.fingerprint import fingerprint
@@ -24,8 +26,9 @@ from garmentbench.storage.fingerprint import fingerprint
 
 def train_stages(
     train: tuple[Sequence, ...], canonical: Canonical, config: Config, run: FitRun, device: torch.device
-) -> tuple[GenerativeModel, DynamicEncoder]:
-    """SDF_0 (where there is a human body), stage 1 and stage 2; finished stages are read back."""
+) -> tuple[GenerativeModel, DynamicEncoder, Novelty]:
+    """SDF_0 (where there is a human body), stage 1 and stage 2, and what they were trained on; finished stages are read
+    back."""
     template = train[0].template
     identity = {"seed": run.seed, "device": device.type, "template": _digest(_template_arrays(template))}
     sdf = _sdf(template, config, run, device, identity) if template.needs.body else None
@@ -36,7 +39,13 @@ def train_stages(
     assert isinstance(canonical.seeds, SeedPoints), "seeds inside triangles are only read, never trained"
     limbs = find_limbs(template.required_body, canonical.seeds)
     generative = _stage1(frames, canonical, limbs, sdf, config, run, identity)
-    return generative, _stage2(frames, generative, limbs, config, run, identity)
+    return generative, _stage2(frames, generative, limbs, config, run, identity), novelty(generative, frames)
+
+
+def novelty(model: GenerativeModel, frames: TrainingFrames) -> Novelty:
+    """How far others are from the training frames: by the seeds in the frame's coordinates and the code."""
+    seeds, codes = frames.body.pose.seeds, encode_all(model, frames)
+    return Novelty.of(seeds.flatten(1).cpu().numpy(), codes.cpu().numpy(), list(frames.lengths))
 
 
 def _sdf(template: Template, config: Config, run: FitRun, device: torch.device, identity: dict) -> SignedDistance:
