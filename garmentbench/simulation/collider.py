@@ -5,7 +5,8 @@ import warp as wp
 from jaxtyping import Float
 
 from garmentbench.geometry.mesh import border_vertices
-from garmentbench.simulation.contact import Surface, attach, find_contacts, hold, move_surface
+from garmentbench.simulation.contact import Surface, find_contacts, let_go, move_surface
+from garmentbench.simulation.holding import Holding, attach, hold
 from garmentbench.simulation.kernels import Cloth, Contact
 
 
@@ -28,14 +29,14 @@ class Collider:
             setattr(s, name, wp.zeros(count, dtype=wp.vec3, device=device))
         s.points = wp.array(points.astype(np.float32), dtype=wp.vec3, device=device)
         s.wind = wp.zeros(1, dtype=wp.vec3, device=device)
-        s.hold_face = wp.zeros(particles, dtype=int, device=device)
-        s.hold_at = wp.zeros(particles, dtype=wp.vec3, device=device)
         border = np.zeros(count, np.int32)
         for faces in surfaces:
             border[border_vertices(faces)] = 1
         s.border = wp.array(border, dtype=int, device=device)
         self.faces, everything = self._mesh(np.concatenate(surfaces))
-        wp.launch(attach, dim=particles, inputs=[everything.id, s, self.faces, cloth], device=device)
+        self.holding = _holding(cloth, device)
+        inputs = [everything.id, s, self.faces, len(surfaces[0]), cloth, self.holding]
+        wp.launch(attach, dim=len(self.holding.pin), inputs=inputs, device=device)
         self.meshes = [self._mesh(faces)[1] for faces in surfaces]
         self.closed = [len(border_vertices(faces)) == 0 for faces in surfaces]
         self.near = self.nothing_near(particles)
@@ -72,8 +73,9 @@ class Collider:
 
         The outermost surface comes first: it mostly is the nearest, and then bounds the search of the others.
         """
-        particles = len(self.cloth.x)
-        wp.launch(hold, particles, [self.surface, self.faces, self.cloth, contact, interval], device=self.device)
+        wp.launch(let_go, len(self.cloth.x), [self.surface, self.cloth, contact], device=self.device)
+        inputs = [self.surface, self.faces, self.holding, contact, interval]
+        wp.launch(hold, len(self.holding.pin), inputs, device=self.device)
         self.find(self.cloth.x, self.cloth.pinned, self.near, contact)
 
     def nothing_near(self, points: int) -> list[wp.array]:
@@ -85,3 +87,11 @@ class Collider:
         for k in reversed(range(len(self.meshes))):
             inputs = [self.meshes[k].id, self.closed[k], self.surface, near[k], points, skip, contact]
             wp.launch(find_contacts, len(points), inputs, device=self.device)
+
+
+def _holding(cloth: Cloth, device: str) -> Holding:
+    h, pins = Holding(), np.flatnonzero(cloth.pinned.numpy())
+    h.pin = wp.array(pins, dtype=int, device=device)
+    for name, kind in (("face", int), ("at", wp.vec3), ("start", wp.vec3), ("corners", wp.mat33), ("banded", int)):
+        setattr(h, name, wp.zeros(len(pins), dtype=kind, device=device))
+    return h

@@ -29,8 +29,6 @@ class Surface:
     velocities: wp.array[wp.vec3]  # mean velocity until the next query [m/s]
     wind: wp.array[wp.vec3]  # shape (1,): velocity of the air away from the skin [m/s]
     border: wp.array[int]  # of a point: 1 where its surface ends
-    hold_face: wp.array[int]  # of a pinned particle; -1: not pinned
-    hold_at: wp.array[wp.vec3]  # its two barycentric coordinates (any sign) and its height over the face [m]
 
 
 @wp.func
@@ -49,53 +47,11 @@ def move_surface(s: Surface, u0: float, u1: float, interval: float):
     s.velocities[i] = (hermite(s, i, u1) - here) / interval
 
 
-@wp.func
-def held_point(a: wp.vec3, b: wp.vec3, c: wp.vec3, at: wp.vec3) -> wp.vec3:
-    """The point at barycentric (at.x, at.y) and height at.z over a triangle."""
-    n = wp.normalize(wp.cross(b - a, c - a))
-    return at[0] * a + at[1] * b + (1.0 - at[0] - at[1]) * c + at[2] * n
-
-
 @wp.kernel(enable_backward=False)
-def attach(mesh: wp.uint64, s: Surface, faces: wp.array[int], c: Cloth):
-    """Fasten each pinned particle to the nearest face, wherever it is: dim = P."""
+def let_go(s: Surface, c: Cloth, h: Contact):
+    """Particles that are not pinned touch nothing yet: dim = P."""
     i = wp.tid()
-    s.hold_face[i] = -1
-    if c.pinned[i] == 1:
-        q = wp.mesh_query_point_no_sign(mesh, c.x[i], 1.0e6)
-        a = s.points[faces[3 * q.face]]
-        ab = s.points[faces[3 * q.face + 1]] - a
-        ac = s.points[faces[3 * q.face + 2]] - a
-        n = wp.cross(ab, ac)
-        d = c.x[i] - a
-        v = wp.dot(wp.cross(d, ac), n) / wp.dot(n, n)
-        w = wp.dot(wp.cross(ab, d), n) / wp.dot(n, n)
-        s.hold_face[i] = q.face
-        s.hold_at[i] = wp.vec3(1.0 - v - w, v, wp.dot(d, wp.normalize(n)))
-
-
-@wp.kernel(enable_backward=False)
-def hold(s: Surface, faces: wp.array[int], c: Cloth, h: Contact, interval: float):
-    """Where pinned particles are held; the others touch nothing yet: dim = P."""
-    i = wp.tid()
-    face = s.hold_face[i]
-    if face >= 0:
-        ia = faces[3 * face]
-        ib = faces[3 * face + 1]
-        ic = faces[3 * face + 2]
-        a = s.points[ia]
-        b = s.points[ib]
-        d = s.points[ic]
-        here = held_point(a, b, d, s.hold_at[i])
-        then = held_point(
-            a + interval * s.velocities[ia],
-            b + interval * s.velocities[ib],
-            d + interval * s.velocities[ic],
-            s.hold_at[i],
-        )
-        h.point[i] = here
-        h.velocity[i] = (then - here) / interval
-    else:
+    if c.pinned[i] == 0:
         h.active[i] = 0
         h.distance[i] = FAR
         h.air[i] = s.wind[0]

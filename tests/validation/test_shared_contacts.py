@@ -117,6 +117,21 @@ def test_a_strip_dropped_on_end_folds_and_does_not_cross_itself():
     assert not crossing_faces(out.positions, strip.faces, strip.seams).any()
 
 
+def test_a_corner_that_has_little_part_in_a_contact_is_not_shot_away():
+    """A pinned corner has been carried against a face, next to its edge that is pinned, too: the third one is free."""
+    lower = np.float32([[0, 0, 0], [0.04, 0, 0], [0.02, 0.04, 0]])
+    upper = np.float32([[0.02, 0, 0], [0, 0, 0.03], [0.04, 0, 0.03]]) + np.float32([0, 4e-5, 0.02])
+    faces, pins = np.int32([[0, 1, 2], [3, 5, 4]]), np.int32([0, 1, 3, 4, 5])
+    rest = np.concatenate([lower, upper])
+    cloth = replace(grid(1, 1, SIDE, SIDE), rest=rest, faces=faces, uv=rest[:, :2], pins=pins)
+    fabric = assemble(cloth, HARD, WEIGHTLESS)
+    start = cloth.rest.astype(float)
+    start[3:, 2] -= 0.019
+    solver = Solver(fabric, start, None, HARD, WEIGHTLESS, substeps(fabric, HARD, WEIGHTLESS, 1 / FPS), 1 / FPS)
+    solver.advance()
+    assert np.abs(solver.velocities).max() < 5.0
+
+
 def test_many_contacts_are_the_same_in_parallel_and_each_time():
     below, above = grid(6, 6, SIDE, SIDE), grid(8, 8, SIDE, SIDE)
     both = two(below, above, 0.008, 0.3)

@@ -59,6 +59,21 @@ def test_pins_are_held_by_the_nearer_of_the_two():
     np.testing.assert_allclose(pinned - first[40], moving[:, 0] - moving[0, 0], atol=1e-5)
 
 
+def test_a_band_goes_over_a_fold_in_one_piece():
+    """What is beneath folds up 1.8 cm in its middle, where its points come a third nearer to each other."""
+    flat, folded = beneath(frames=4)
+    column = np.arange(len(flat.rest)) % 9 - 4
+    for t in range(4):
+        up = 0.006 * t
+        folded[t, :, 0] -= np.sign(column) * (0.025 - np.sqrt(0.025**2 - up**2))
+        folded[t, column == 0, 2] += up
+    band = grid(6, 1, 0.15, 0.025, pins=range(14))
+    body = floor()
+    ground = np.tile(body.rest.astype(np.float64), (4, 1, 1))
+    held = run(band, ground, body=body, start=band.rest + [-0.075, 0.0, HEIGHT + 0.01], inner=(flat, folded))
+    assert held.strain.max() < 0.15
+
+
 def test_without_a_layer_beneath_nothing_changes():
     """A layer far away takes no part: the same bytes."""
     alone, far = drop(0.15, 0.05, None), drop(0.15, 0.05, beneath(height=3.0))

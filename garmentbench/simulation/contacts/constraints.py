@@ -161,9 +161,11 @@ def strike(c: Cloth, k: Constraints, p: Physics, j: int):
     if push > 0.0:
         index = k.index[j]
         weight = k.weight[j]
-        give = float(0.0)  # change of the contact's velocity for an impulse of 1 [1/kg]
+        # Change of the contact's velocity for an impulse of 1 [1/kg], as if pinned particles gave way, too: a free one
+        # that has a small part in it, beside pinned ones, would have to make it up alone, and is shot away.
+        give = float(0.0)
         for a in range(4):
-            give += wp.abs(weight[a]) * k.share[index[a]] * mobility(c, index[a])
+            give += wp.abs(weight[a]) * k.share[index[a]] * c.inverse_mass[index[a]]
         n = k.normal[j]
         way = blend(c.v, index, weight) - k.velocity[j]
         way = way - wp.dot(way, n) * n
