@@ -51,6 +51,7 @@ class Plant:
     tuck: float = 12.0
     kick: tuple[float, float] = (0.0, 0.0)
     hop: bool = False
+    brisk: bool = False
 
 
 @dataclass(frozen=True)
@@ -93,7 +94,7 @@ def foot_path(tread: Tread, side: str, plants: list[Plant], t: np.ndarray, shift
         on = (t > before.leave) & (t < after.land)
         u = (t[on] - before.leave) / (after.land - before.leave)
         ankle[on, :2] = _swing(tread, side, before, after, plants, t[on]) + _soft_bump(u)[:, None] * _kick(after)
-        air[on], lift[on] = u, after.lift * _soft_bump(u)
+        air[on], lift[on] = u, after.lift * (_bump(u) if after.brisk else _soft_bump(u))
         if after.hop:
             lift[on] += 0.5 * GRAVITY * (t[on] - before.leave) * (after.land - t[on])
     bend = np.maximum(-pitch, 0.0) * (1 - smoothstep(air / 0.3) * smoothstep((1 - air) / 0.3))
@@ -160,6 +161,11 @@ def _kick(plant: Plant) -> np.ndarray:
 def _weight(plant: Plant, t: np.ndarray, shift: float) -> np.ndarray:
     shift = min(shift, 0.5 * (plant.leave - plant.land))
     return smoothstep((t - plant.land) / shift) * smoothstep((plant.leave - t) / shift)
+
+
+def _bump(u: np.ndarray) -> np.ndarray:
+    """From 0 over 1 in the middle to 0, C1."""
+    return 8 * (u * (1 - u)) ** 1.5
 
 
 def _soft_bump(u: np.ndarray) -> np.ndarray:

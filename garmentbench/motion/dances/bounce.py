@@ -59,7 +59,7 @@ def _wings(b: np.ndarray) -> Bearing:
     }  # fmt: skip
 
 
-_JOG = {"lift": 0.14, "tuck": 38.0, "strike": -14.0, "push": 45.0}
+_JOG = {"lift": 0.10, "tuck": 38.0, "strike": -14.0, "push": 45.0}
 
 BOUNCE = Dance(
     seed=2,

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+from garmentbench.geometry.crossing import crossing_faces
 from garmentbench.motion import animate
 from garmentbench.motion.notation import Score
 from garmentbench.motion.performing import perform
@@ -86,6 +87,16 @@ def test_knees_bend_one_way(name, body):
         hinge = rotations[:, baked.joint_names.index(f"thigh.{side}")] @ np.array([1.0, 0.0, 0.0])
         bend = np.degrees(np.arctan2(np.sum(np.cross(thigh, calf) * hinge, axis=1), np.sum(thigh * calf, axis=1)))
         assert bend.min() > 4 and bend.max() < 130
+
+
+@pytest.mark.parametrize("name", ["run", "jump", "dance-bounce"])
+def test_folded_limbs_keep_out_of_each_other(name):
+    """Calf and thigh, thigh and trunk, fore-arm and upper arm: between skins that cross there is no place for cloth."""
+    baked, _, _, vertices = performed(name, frames=180)
+    bare = [joint.split(".")[0] in ("head", "hand", "foot", "toes") for joint in baked.joint_names]
+    clothed = baked.body.faces[(baked.weights[:, bare].sum(axis=1) < 0.5)[baked.body.faces].all(axis=1)]
+    crossing = crossing_faces(vertices[::2].astype(np.float32), clothed, np.zeros((0, 2), int))
+    assert not crossing.any()
 
 
 @pytest.mark.parametrize("name", SCORES)
