@@ -6,7 +6,16 @@ from typing import TYPE_CHECKING, Any
 from garmentbench.errors import UsageError
 from garmentbench.evals.accuracy_table import accuracy_table
 from garmentbench.evals.experiment import Experiment, Work, about, failed_row, first_failure, named
-from garmentbench.evals.trial import SIMPLE, TRAIN_FRAMES, Entry, Trial, another_run_job, sequence_job, trial_jobs
+from garmentbench.evals.trial import (
+    SIMPLE,
+    STRONG,
+    TRAIN_FRAMES,
+    Entry,
+    Trial,
+    another_run_job,
+    sequence_job,
+    trial_jobs,
+)
 from garmentbench.evaluation.another_run import ANOTHER_RUN
 from garmentbench.evaluation.results import Row
 from garmentbench.methods import method_names
@@ -163,8 +172,8 @@ class Comparison(Experiment):
 
 
 def order_of_methods(line: Line) -> int:
-    """The simulator's own lines, then the simple methods as they are listed, then all others."""
-    known = [*SIMULATED, *(entry.method for entry in SIMPLE)]
+    """The simulator's own lines, then the simple and the strong baselines as they are listed, then all others."""
+    known = [*SIMULATED, *(entry.method for entry in (*SIMPLE, *STRONG))]
     return known.index(line.method) if line.method in known else len(known)
 
 
