@@ -36,6 +36,7 @@ class Plant:
         tuck: Pitch, heel up, in the middle of the swing.
         kick: Excursion of the swing, to the left and forward in the landing foot's frame.
         hop: The foot is carried up as a body is that flies freely as long as the swing lasts.
+        brisk: It goes off the floor and comes down more sharply, so that a low swing clears the floor.
     """
 
     land: float
