@@ -1,7 +1,8 @@
 """Bake the over-skirt into datasets/garments/over_skirt-{smoke,laptop,desktop,paper}.npz.
 
 Only needed to remake the assets: bake the bodies and the dress, then `python datasets/bake/bake_over_skirt.py`. It is
-worn over the dress, from the waist to above the knees: a plain waistband round the dress, and wide pleats below it.
+worn over the dress, from the waist to above the knees: a plain waistband that lies on the dress, and wide pleats below
+it.
 """
 
 import numpy as np
@@ -14,8 +15,10 @@ from garmentbench.scenes.garments import load_garment
 
 TOP = WAIST + 0.02  # [m] height, above the dress's narrowest place
 HEM = 0.66  # [m] height, a hand above the dress's hem
-CLEARANCE = 0.006  # [m] off the dress
+CLEARANCE = 0.006  # [m] off the hull of dress and body
+ON_DRESS = 0.007, 0.010  # [m] off the dress: the waistband's lower edge, and its upper one, which gives way to no fold
 BAND, OPEN = TOP - 0.025, TOP - 0.085  # [m] height: the waistband's lower edge, and where all pleats are open
+FREE = BAND - 0.03  # [m] height, from which on the folds lie off the hull and no more off the dress itself
 PLEATS = 14
 DEPTH_WAIST, DEPTH_HEM = 0.024, 0.050  # [m] of the folds, if they began at the upper edge
 MARGIN = 0.03  # of the UV square
@@ -42,26 +45,28 @@ def over_skirt(size: str) -> dict[str, np.ndarray]:
     return {
         **{key: cloth[key] for key in ("rest", "faces", "seams")},
         "uv": fan_chart(cloth, side, MARGIN),
-        "pins": np.flatnonzero(cloth["rest"][:, 2] > BAND - 1e-6),
+        "pins": np.flatnonzero(cloth["rest"][:, 2] > TOP - 1e-6),
     }
 
 
 def inner_rings(size: str, heights: np.ndarray) -> np.ndarray:
-    """Where the folds' inner edges lie: even points round the hull of dress and body, shape (rows, ANGLES, 3) [m], seen
-    from above counterclockwise from the middle of the back."""
+    """Where the folds' inner edges lie: even points on the dress at the waistband and round the hull of dress and body
+    below it, shape (rows, ANGLES, 3) [m], seen from above counterclockwise from the middle of the back."""
     dress = load_garment("dress", size)
+    worn = dress.rest.astype(float), dress.faces
     angles = np.pi / 2 + np.linspace(0, 2 * np.pi, ANGLES, endpoint=False)
     fine = np.arange(TOP, HEM - 0.01, -0.01)
-    beneath = np.maximum(
-        hull_radius(*without_arms(), fine, angles),
-        hull_radius(dress.rest.astype(float), dress.faces, fine, angles),
-    )
+    beneath = np.maximum(hull_radius(*without_arms(), fine, angles), hull_radius(*worn, fine, angles))
     beneath = maximum_filter(beneath, (5, 25), mode=("nearest", "wrap"))  # so that smoothing doesn't bring it nearer
-    radius = CLEARANCE + gaussian_filter(beneath, (1.5, 12), mode=("nearest", "wrap"))
+    radius = gaussian_filter(beneath, (1.5, 12), mode=("nearest", "wrap"))
     toward = np.column_stack([np.cos(angles), np.sin(angles)])
-    reach = [np.array([np.interp(-z, -fine, r) for r in radius.T]) for z in heights]
-    rings = [even_ring(AXIS + r[:, None] * toward, ANGLES) for r in reach]
-    return np.stack([np.column_stack([ring, np.full(ANGLES, z)]) for ring, z in zip(rings, heights, strict=True)])
+    rings = []
+    for z, free in zip(heights, opened(heights, BAND, FREE), strict=True):
+        hanging = np.array([np.interp(-z, -fine, r) for r in radius.T])
+        lying = hull_radius(*worn, np.array([z]), angles)[0]
+        reach = (1 - free) * (lying + np.interp(z, [BAND, TOP], ON_DRESS)) + free * (hanging + CLEARANCE)
+        rings.append(np.column_stack([even_ring(AXIS + reach[:, None] * toward, ANGLES), np.full(ANGLES, z)]))
+    return np.stack(rings)
 
 
 def main() -> None:
