@@ -38,7 +38,7 @@ class Row:
         reference_value: The reference's own value, by the same code; None where it has none.
         spread: What another run of the simulator errs by over the same frames [cm], beside errors of roll-outs; None
             beside other metrics, and where the reference is a single run.
-        status, first_bad_frame: How the roll-out ended: "ok", "diverged", "failed".
+        status, first_bad_frame: How the roll-out ended: "ok", "broken", "diverged", "failed".
         run_id: The run that measured it; a message in parentheses where none could be made.
         train_scenes: What the method was trained on, names joined by "+".
         note: What a reader must know of the value: keys of `WARNINGS` joined by `BETWEEN`, or nothing.

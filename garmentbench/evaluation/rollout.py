@@ -15,7 +15,7 @@ from garmentbench.sequence import Sequence, Template
 from garmentbench.storage import hdf5
 
 ROLL_OUT, ONE_STEP = "roll_out", "one_step"
-OK, DIVERGED, FAILED = "ok", "diverged", "failed"
+OK, BROKEN, DIVERGED, FAILED = "ok", "broken", "diverged", "failed"
 SCHEMA = 1
 _ARRAYS = ("garment", "before_collision", "ms", "processor_ms", "novelty")
 _REMAKE = "evaluate again (garmentbench evaluate)"
@@ -34,9 +34,9 @@ class RollOut:
         before_collision: The same before the method's collision stage, NaN where there is none; None if it has no such
             stage.
         ms: Milliseconds of each frame's prepare, predict and collide, shape (T, 3); NaN where nothing was timed.
-        status: "ok", "diverged" (not finite, or a vertex farther from the reference than the body is high), or "failed"
-            (raised, or returned something else than garment vertices).
-        first_bad_frame: The frame at which it diverged or failed; None where it did not.
+        status: "ok", "broken" (no cloth any more, see `broken`), "diverged" (not finite, or a vertex farther from the
+            reference than the body is high), or "failed" (raised, or returned something else than garment vertices).
+        first_bad_frame: The frame at which it broke, diverged or failed; None where it did not.
         message: What happened there; empty where all is well.
         processor_ms: Processor time of each frame [ms], shape (T,); None where it was not taken (with a CUDA device).
         novelty: How far each frame is from what the method was trained on, shape (T,), as it says itself (see

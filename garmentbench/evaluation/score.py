@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from garmentbench.evaluation.results import BELOW_HALF_SPREAD, RUN_BROKE, UNDER_LOAD, Row
-from garmentbench.evaluation.rollout import OK, RollOut
+from garmentbench.evaluation.rollout import BROKEN, OK, RollOut
 from garmentbench.metrics import METRICS, Metric, Motion
 from garmentbench.metrics.ensemble import ENERGY_SCORE, ERROR, ERROR_OVER_SPREAD
 from garmentbench.metrics.l2 import ONE_STEP_L2, ROLLOUT_L2
@@ -19,7 +19,11 @@ SHORT_HORIZON = 50  # of the paper's Table 3; its other one is the whole sequenc
 
 
 def score(
-    roll: RollOut, one: RollOut | None, sequence: Sequence, only: Callable[[Metric], bool] = lambda metric: True
+    roll: RollOut,
+    one: RollOut | None,
+    sequence: Sequence,
+    only: Callable[[Metric], bool] = lambda metric: True,
+    motion: Motion | None = None,
 ) -> list[Row]:
     """Rows of all metrics that apply to a free roll-out, and the error of single steps, of a sequence's reference.
 
@@ -28,11 +32,12 @@ def score(
         one: The single steps; None where there are none.
         sequence: What it was rolled out on. Errors against the ensemble need its further runs.
         only: Which of the metrics.
+        motion: `predicted(roll, sequence)`, where somebody has it already.
 
     A metric over the whole roll-out is NaN when it ended early; what could be computed stays. The reference's own value
     is the one that the sequence keeps, or else the same metric with the reference in the prediction's place.
     """
-    motion = _motion(roll, sequence)
+    motion = predicted(roll, sequence) if motion is None else motion
     rows, spreads = [], spread_by_horizon(sequence, roll.start)
     for horizon, spread in spreads.items():
         first = _first(motion, horizon)
@@ -42,7 +47,7 @@ def score(
             if only(metric) and metric.applies(first)
         ]
     if one is not None:
-        rows.append(_row(ONE_STEP_L2, one, _motion(one, sequence), sequence, 1))
+        rows.append(_row(ONE_STEP_L2, one, predicted(one, sequence), sequence, 1))
     truth = motion.truth
     for metric in METRICS.values():
         if metric not in (ROLLOUT_L2, ONE_STEP_L2, ERROR) and metric.applies(motion) and only(metric):
@@ -75,8 +80,8 @@ def _first(motion: Motion, horizon: int) -> Motion:
     return Motion(motion.predicted[:horizon], motion.reference[:horizon], None, motion.template, runs=runs)
 
 
-def _motion(roll: RollOut, sequence: Sequence) -> Motion:
-    """The predicted frames of a roll-out."""
+def predicted(roll: RollOut, sequence: Sequence) -> Motion:
+    """The predicted frames of a roll-out, beside the reference's."""
     frames, before = slice(roll.start, None), None
     if roll.before_collision is not None:  # a frame may have needed no collision stage
         before = np.where(np.isfinite(roll.before_collision), roll.before_collision, roll.garment)[frames]
@@ -98,7 +103,7 @@ def _motion(roll: RollOut, sequence: Sequence) -> Motion:
 def _row(
     metric: Metric, roll: RollOut, motion: Motion, sequence: Sequence, horizon: int, spread: float | None = None
 ) -> Row:
-    value = math.nan if metric.whole and roll.status != OK else metric.compute(motion)
+    value = math.nan if metric.whole and roll.status not in (OK, BROKEN) else metric.compute(motion)
     columns = {"horizon": horizon, "status": roll.status, "first_bad_frame": roll.first_bad_frame}
     row = Row.of(metric, value, spread=spread if metric.unit == "cm" else None, **columns)
     if metric is ROLLOUT_L2 and spread is not None and horizon == len(sequence) and 0 < value < spread / 2:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from garmentbench.sequence import Sequence as Recording
 
 # What decides an evaluation besides the method: also the form in which the report finds it.
-EVALUATION = ("garmentbench.evaluation.rollout", "garmentbench.evaluation.score", "garmentbench.evaluation.excerpt")
+EVALUATION = tuple(f"garmentbench.evaluation.{part}" for part in ("rollout", "broken", "score", "excerpt"))
 
 
 def evaluate(trained: Run, source: Source, preset: Preset, store: RunStore) -> Run:
@@ -26,16 +26,17 @@ def evaluate(trained: Run, source: Source, preset: Preset, store: RunStore) -> R
 
     Returns:
         The finished run. Its folder holds rollout.h5 and recording.rrd; its results are `rows` (metric, horizon, value,
-        unit ...), `status`, `first_bad_frame` and `message`. A method that fails or diverges has a finished run that
-        says so.
+        unit ...), `status`, `first_bad_frame` and `message`. A method that breaks, diverges or fails has a finished run
+        that says so.
 
     Raises:
         UserError: The training is not finished, or (`OtherGarmentError`) it was done on another garment.
     """
+    from garmentbench.evaluation.broken import judged
     from garmentbench.evaluation.excerpt import write_excerpt
     from garmentbench.evaluation.results import TRAINED_ON_IT
     from garmentbench.evaluation.rollout import OK
-    from garmentbench.evaluation.score import score
+    from garmentbench.evaluation.score import predicted, score
     from garmentbench.viewing.recording import write_recording
 
     garment = trained.results.get("garment")  # says so where the training is not finished
@@ -60,12 +61,14 @@ def evaluate(trained: Run, source: Source, preset: Preset, store: RunStore) -> R
             with foreign_code(run, "load", method):
                 learnt = method.load(trained.folder / "method")
             roll, one = _predict(learnt, sequence, run)
+            motion = predicted(roll, sequence)
+            roll = judged(roll, motion)
             roll.save(run.folder / "rollout.h5")
             write_excerpt(run.folder, sequence, roll)
             write_recording(run.folder / "recording.rrd", sequence, roll, f"{method.name} on {reference.name}")
             bad = one if roll.status == OK else roll
             ending = {"status": bad.status, "first_bad_frame": bad.first_bad_frame, "message": bad.message}
-            rows = score(roll, one, sequence)
+            rows = score(roll, one, sequence, motion=motion)
             if getattr(method, "learns", True) and _was_trained_on(trained, identity):
                 rows = [row if row.unit == "ms" else row.noted(TRAINED_ON_IT) for row in rows]
             run.finish({"rows": [row.measured for row in rows], **ending})

@@ -25,14 +25,16 @@ def number(value: float, whole: bool = False) -> str:
 
 
 def value_cell(value: Value | None, bold: bool = False, whole: bool = False) -> Cell:
-    """Mean ± interval, and what must be known of it; "diverged" or "failed" where there is no value; both where only
-    some seeds have one."""
+    """Mean ± interval, and what must be known of it: that it broke, in how many of the seeds; "diverged" or "failed"
+    where there is no value."""
     if value is None:
         return Cell(ABSENT)
     ended = "; ".join(dict.fromkeys(ending.split(" at ")[0] for ending in value.endings if ending != "ok"))
     if math.isnan(value.mean):
         return Cell(ended or ABSENT, bad=bool(ended))
     text = number(value.mean, whole) + (f" ± {number(value.interval, whole)}" if value.interval is not None else "")
+    if ended and len(value.endings) == value.seeds:
+        return Cell(f"{text} ({ended})", bad=True)
     if ended:
         return Cell(f"{text} ({len(value.endings)} of {value.seeds} {ended})", bad=True)
     if value.notes:

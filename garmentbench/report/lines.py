@@ -16,6 +16,7 @@ import numpy as np
 from garmentbench.errors import UserError
 from garmentbench.evaluation.another_run import ANOTHER_RUN
 from garmentbench.evaluation.results import COLUMNS, notes
+from garmentbench.evaluation.rollout import BROKEN
 
 if TYPE_CHECKING:
     from garmentbench.evaluation.excerpt import Excerpt
@@ -34,7 +35,8 @@ class Value:
     Attributes:
         mean: Over the seeds that have one; NaN where none has.
         interval: Half-width of the mean's 95 % confidence interval (Student's t); None with fewer than two values.
-        endings: Status and first bad frame of every seed without a value ("diverged at frame 37", "failed").
+        endings: Status and first bad frame of every seed that did not end well: without a value ("diverged at frame
+            37", "failed"), or with one that is not of cloth ("broken at frame 12").
         seeds: How many seeds there are.
         reference: The reference's own value, or NaN.
         spread: What another run of the simulator errs by over the same frames [cm], or NaN.
@@ -183,7 +185,7 @@ def read_results(path: Path) -> Frame:
 
 def _value(rows: Frame, random: bool) -> Value:
     finite = rows.value[np.isfinite(rows.value)].to_numpy()
-    ended = rows[~np.isfinite(rows.value)]
+    ended = rows[~np.isfinite(rows.value) | (rows.status == BROKEN)]
     return Value(
         mean=float(finite.mean()) if len(finite) else math.nan,
         interval=confidence_95(finite) if len(finite) > 1 else None,

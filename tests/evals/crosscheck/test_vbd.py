@@ -70,7 +70,7 @@ def test_free_fall():
 def test_the_air_slows_it_to_its_terminal_velocity():
     """Level: weight an area = drag x density of air x speed^2 / 2."""
     material = replace(Material(), drag=8.0)
-    fallen = drop(frames=45, material=material, settings=VbdSettings(10, 1))
+    fallen = drop(frames=16, material=material, settings=VbdSettings(10, 1))
     speed = np.sqrt(2 * material.density * GRAVITY / (8.0 * Settings().air_density))
     assert FPS * (fallen[-2] - fallen[-1])[:, 2] == pytest.approx(np.full(len(SHEET.rest), speed), rel=0.02)
 
@@ -79,7 +79,7 @@ def test_it_rests_on_a_floor_and_is_carried_along():
     thick = Material().thickness
     start = SHEET.rest + np.array([0, 0, thick])
     speed = 0.3
-    moved = drop(start=start, obstacle=floor(20, speed), frames=20)
+    moved = drop(start=start, obstacle=floor(10, speed), frames=10)
     assert moved[-1, :, 2] == pytest.approx(np.full(len(start), thick), abs=1e-3)
     carried = (moved[-1] - moved[-2]).mean(axis=0)[0] * FPS
     assert carried == pytest.approx(speed, rel=0.1)  # friction 0.4 takes it along within 0.08 s
