@@ -1,6 +1,6 @@
 """The command line: finds the command, and turns what goes wrong into one line and an exit code.
 
-0: done. 1: a file, a mesh or the machine is wrong. 2: the call is wrong. 130: Ctrl-C.
+0: done. 1: a file, a mesh or the machine is wrong. 2: the call is wrong. 130: Ctrl-C, or SIGTERM, which clusters send.
 """
 
 import argparse
@@ -10,7 +10,9 @@ import inspect
 import io
 import os
 import re
+import signal
 import sys
+import threading
 import warnings
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -38,7 +40,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     arguments = list(sys.argv[1:] if arguments is None else arguments)
     with warnings.catch_warnings():
         warnings.showwarning = _show_warning
-        return _run(arguments)
+        with _terminated_as_interrupted():
+            return _run(arguments)
+
+
+@contextlib.contextmanager
+def _terminated_as_interrupted() -> Iterator[None]:
+    """SIGTERM does what Ctrl-C does: workers end, and locks are let go."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # where signals can't be set
+        return
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _run(arguments: list[str]) -> int:

@@ -10,6 +10,7 @@ import sys
 import time
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import h5py
 import pytest
@@ -324,6 +325,14 @@ def test_ctrl_c_in_training_then_the_same_command(tiny, capsys):
     assert RunStore().list()[0].state == "interrupted"
     assert typed(capsys, *command)[0] == 0
     assert RunStore().list()[0].state == "finished"
+
+
+def test_sigterm_is_taken_for_ctrl_c_while_a_command_runs_and_no_longer(monkeypatch, capsys):
+    before = signal.getsignal(signal.SIGTERM)
+    command = SimpleNamespace(run=lambda: os.kill(os.getpid(), signal.SIGTERM))
+    monkeypatch.setattr("garmentbench.cli.parse", lambda arguments: command)
+    assert main(["evals"]) == 130 and "the same command again" in capsys.readouterr().err
+    assert signal.getsignal(signal.SIGTERM) is before
 
 
 def test_more_frames_than_a_scene_has(tiny, capsys, monkeypatch):
