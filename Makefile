@@ -7,7 +7,7 @@ BIN := .venv/bin
 export GARMENTBENCH_HOME := $(CURDIR)
 RUN := $(BIN)/garmentbench
 
-.PHONY: evals test lint report data validation fabrics difficulty convergence crosscheck clean
+.PHONY: evals bench test lint report data validation fabrics difficulty convergence crosscheck clean
 evals: $(BIN)/.installed
 	$(RUN) evals --preset $(PRESET) --seeds $(SEEDS)
 
@@ -45,6 +45,10 @@ convergence: $(BIN)/.installed
 crosscheck: $(BIN)/.installed
 	$(BIN)/pip install -q -c constraints.txt -e '.[crosscheck]'
 	$(RUN) evals crosscheck --preset $(PRESET)
+
+# What a frame takes on this machine, of the simulator and of methods (five minutes).
+bench: $(BIN)/.installed
+	$(RUN) bench --preset $(PRESET)
 
 # One ablation and the full model beside it: make ablation-fixed-weights, -no-virtual-sample, -no-velocity, -no-force,
 # -pose-only, -no-collision, -push-out, -linear-paths, -train-length.

@@ -6,6 +6,7 @@ What a command needs is imported when it runs, so that `garmentbench --help` is 
 from typing import Protocol
 
 from garmentbench.commands.authors import ImportAuthors, ImportAuthorsModel
+from garmentbench.commands.bench import Bench
 from garmentbench.commands.bodies import Bodies
 from garmentbench.commands.card import Card
 from garmentbench.commands.check import Check
@@ -42,6 +43,7 @@ COMMANDS: dict[str, type[Command]] = {
     "train": Train,
     "evaluate": Evaluate,
     "evals": Evals,
+    "bench": Bench,
     "runs": Runs,
     "report": Report,
     "view": View,
