@@ -116,18 +116,17 @@ def make_bench(scene: Scene, preset: Preset, frames: int, folder: Path) -> Bench
 
 
 def ratio(one: Float[np.ndarray, " frames"], other: Float[np.ndarray, " frames"]) -> tuple[float, float, float]:
-    """The median of times over that of others, taken in turn, and its 95 % interval (bootstrap over blocks of frames).
+    """The median over frames of the ratio of two times, taken in turn, and its 95 % interval (bootstrap over blocks of
+    neighbouring frames).
 
     Args:
         one, other: Of the same frames, shape (T,).
     """
-    rng, starts = np.random.default_rng(0), np.arange(0, len(one), BLOCK)
-    drawn = []
-    for _ in range(2000):
-        at = (rng.choice(starts, len(starts))[:, None] + np.arange(BLOCK)).ravel() % len(one)
-        drawn.append(np.median(one[at]) / np.median(other[at]))
-    low, high = np.percentile(drawn, [2.5, 97.5])
-    return float(np.median(one) / np.median(other)), float(low), float(high)
+    each, count = one / other, len(one)
+    starts = np.random.default_rng(0).integers(count, size=(2000, -(-count // BLOCK), 1))
+    drawn = each[(starts + np.arange(BLOCK)).reshape(2000, -1) % count]
+    low, high = np.percentile(np.median(drawn, axis=1), [2.5, 97.5])
+    return float(np.median(each)), float(low), float(high)
 
 
 def shortened(config: Any, share: float = SHARE) -> Any:
