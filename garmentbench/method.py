@@ -87,8 +87,8 @@ class Method(Protocol):
     """A trained method.
 
     A method may leave the garment before its collision stage in `state.before_collision` (shape (V, 3)), and in
-    `state.novelty` how far the frame is from what it was trained on (1: as far as the farthest of its training frames
-    are from the others), which is asked for after the step and not timed. It may mark parts of its time with
+    `state.novelty` how far the frame is from what it was trained on (1: as far as all but a hundredth of its training
+    frames are from the others), which is asked for after the step and not timed. It may mark parts of its time with
     `garmentbench.method.span("prepare" | "predict" | "collide")`.
 
     Attributes:

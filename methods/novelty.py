@@ -50,7 +50,8 @@ class Novelty:
         known = np.concatenate([bodies / spread[0], garments / spread[1]], axis=1).astype(np.float32)
         found = np.concatenate([_nearest(known, a, b) for a, b in pairwise(np.cumsum([0, *lengths]))])
         found = found[np.isfinite(found)]
-        unit = float(np.percentile(found, _PERCENTILE)) if len(found) else np.inf
+        # Where all are neighbours in time it is not known how far apart they are, and nothing is said.
+        unit = float(np.percentile(found, _PERCENTILE)) if len(found) else np.nan
         chosen = np.linspace(0, len(known) - 1, min(KEPT, len(known))).round().astype(int)
         return cls(known[chosen], spread, max(unit, 1e-9))
 

@@ -16,7 +16,8 @@ from garmentbench.scenes.garments import load_garment
 TOP = WAIST + 0.02  # [m] height, above the dress's narrowest place
 HEM = 0.66  # [m] height, a hand above the dress's hem
 CLEARANCE = 0.006  # [m] off the hull of dress and body
-ON_DRESS = 0.007, 0.010  # [m] off the dress: the waistband's lower edge, and its upper one, which gives way to no fold
+# [m] off the dress: the waistband's lower edge, and its upper one, which is pinned and can give way to no fold.
+ON_DRESS = 0.007, 0.010
 BAND, OPEN = TOP - 0.025, TOP - 0.085  # [m] height: the waistband's lower edge, and where all pleats are open
 FREE = BAND - 0.03  # [m] height, from which on the folds lie off the hull and no more off the dress itself
 PLEATS = 14

@@ -25,7 +25,7 @@ class Demand:
 
     Attributes:
         scene: Its name.
-        novelty: What is new of it to what was trained on: "new phrase", "new kind", "new body" or "new kind and body".
+        what_is_new: To what was trained on: "new phrase", "new kind", "new body" or "new kind and body".
         frames: Its length.
         static: Error of the static ridge.
         dynamic: Of the best baseline that has a garment state.
@@ -34,7 +34,7 @@ class Demand:
     """
 
     scene: str
-    novelty: str
+    what_is_new: str
     frames: int
     static: float
     dynamic: float
@@ -74,7 +74,7 @@ def _ratio(one: float, other: float) -> float:
 
 def headline(demands: Sequence[Demand]) -> tuple[list[str], int]:
     """The headline scenes, best first, and how many of them meet the rule."""
-    candidates = [d for d in demands if d.novelty == NEW_PHRASE and d.frames >= FRAMES]
+    candidates = [d for d in demands if d.what_is_new == NEW_PHRASE and d.frames >= FRAMES]
     ranked = sorted(candidates, key=lambda d: (-d.nearness, d.scene))
     qualify = sum(d.nearness >= 1 for d in ranked)
     return [d.scene for d in ranked[: max(qualify, COUNT)]], qualify
@@ -82,7 +82,7 @@ def headline(demands: Sequence[Demand]) -> tuple[list[str], int]:
 
 def verdict(demand: Demand, chosen: Sequence[str]) -> str:
     """What a scene is good for, in the table's words. chosen: the headline scenes."""
-    if demand.novelty != NEW_PHRASE:
+    if demand.what_is_new != NEW_PHRASE:
         return "generalisation"
     if demand.frames < FRAMES:
         return f"shorter than {FRAMES} frames"

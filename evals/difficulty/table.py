@@ -6,7 +6,7 @@ from garmentbench.evals.difficulty.headline import COUNT, FORETOLD, FRAMES, LEFT
 from garmentbench.report.cells import ABSENT, number, value_cell
 from garmentbench.report.lines import REFERENCE, Line
 from garmentbench.report.table import Cell, Table
-from garmentbench.scenes.training_sets import MARK, novelty
+from garmentbench.scenes.training_sets import MARK, what_is_new
 
 STATIC, DYNAMIC = "static_ridge", ("linear_subspace", "linear_memory", "subspace_network", "pose_gru")
 METHODS = ("skinning", STATIC, *DYNAMIC)
@@ -18,11 +18,11 @@ def difficulty_table(lines: list[Line], title: str) -> Table:
     demands = {scene: demand(scene, found) for scene, found in scenes.items()}
     chosen, qualify = headline(list(demands.values()))
     rows = []
-    for scene in sorted(scenes, key=lambda s: (demands[s].novelty != "new phrase", demands[s].novelty, s)):
+    for scene in sorted(scenes, key=lambda s: (demands[s].what_is_new != "new phrase", demands[s].what_is_new, s)):
         found, asked = scenes[scene], demands[scene]
         errors = [value_cell(found[m].value("rollout_l2")) if m in found else Cell(ABSENT) for m in METHODS]
         rows.append([
-            Cell(scene, bold=scene in chosen), Cell(asked.novelty), Cell(str(asked.frames)),
+            Cell(scene, bold=scene in chosen), Cell(asked.what_is_new), Cell(str(asked.frames)),
             _cell(of(found, REFERENCE, "variation")), _cell(asked.spread), *errors, _cell(asked.floor),
             *map(_cell, asked.ratios), Cell(verdict(asked, chosen)),
         ])  # fmt: skip
@@ -47,7 +47,7 @@ def demand(scene: str, found: dict[str, Line]) -> Demand:
     frames = max((int(h) for line in found.values() for h in line.rows.horizon.dropna()), default=0)
     return Demand(
         scene,
-        novelty(scene, learnt.partition(MARK)[2]),
+        what_is_new(scene, learnt.partition(MARK)[2]),
         frames,
         errors[STATIC],
         min(dynamic, default=math.nan),

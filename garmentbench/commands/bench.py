@@ -43,12 +43,12 @@ class Bench:
 
     def run(self) -> None:
         from garmentbench.commands.table import print_table
-        from garmentbench.device import choose_device, one_thread
+        from garmentbench.device import choose_device, one_thread, require_device
         from garmentbench.errors import UsageError
 
         choose_device(self.device)
         one_thread()
-        from garmentbench.pipeline.bench import METHODS, machine, make_bench, temporary, timed_all
+        from garmentbench.pipeline.bench import METHODS, make_bench, temporary, timed_all, told
         from garmentbench.pipeline.choice import choose_method
         from garmentbench.scenes.presets import preset
         from garmentbench.scenes.wardrobe import load_scene
@@ -56,10 +56,11 @@ class Bench:
         if self.pair and len(self.methods) != 2:
             raise UsageError(f"bench --pair: {len(self.methods)} methods are given; wanted two")
         size, scene, names = preset(self.preset, self.mesh, self.model), load_scene(self.scene), self.methods or METHODS
+        require_device(size)
         for name in names:  # before minutes are spent
             method, _, variant = name.partition("@")
             choose_method(method, variant or "full", size)
-        print(f"{machine()}; {scene.name}, {size.name}")
+        print(f"{told()}; {scene.name}, {size.name}")
         with temporary() as folder:
             bench = make_bench(scene, size, self.frames, Path(folder))
             if self.pair:

@@ -1,17 +1,18 @@
-"""Broken: a roll-out that ran to its end and is cloth no more.
+"""Broken: a roll-out that ran to its end and is no longer cloth.
 
 A frame is broken where one of three holds:
 
     strain: the 99th percentile of the absolute edge strain is above 50 % and above twice the reference's largest
-    inside: the share of vertices inside the body is by 10 points above the reference's largest
+    inside: the share of vertices inside the body (`interpenetration_strict`) is 10 points above the reference's largest
     speed:  the root mean square of the vertices' speed is above 0.5 m/s and above 3 times the reference's largest
 
 Between "ok" and "diverged": its numbers stay in the tables, marked, with the first such frame and the rule that it
 broke, and they don't compete.
 
 When it lies. The reference's largest values are those of the whole scene, so a roll-out may be wild in a calm part of a
-wild one. A garment that shrinks evenly by less than half, or sinks in by a twentieth, is bad and not broken: read
-strain and inside themselves. The bounds are ours, set once, on no result.
+wild one. What leaps away in the first predicted frame and then stays there is judged by its strain alone. A garment
+that shrinks evenly by less than half, or sinks in by a twentieth, is bad and not broken: read strain and inside
+themselves. The bounds are ours, set once, on no result.
 """
 
 from collections.abc import Iterator

@@ -1,18 +1,16 @@
 """This machine's clock: what a frame takes, of the simulator and of methods, measured beside one another.
 
 Each is timed in a process of its own, whose peak of memory is then its own: batch 1, after a warm-up, synchronised,
-nothing of recording or metrics inside. What was timed while the machine did other work is timed again. Methods are
-trained for a tenth of their steps, on the frames that they are then timed on: times don't depend on what was learnt,
-but for a collision stage that has more to do behind a worse prediction.
+with neither recording nor metrics inside, but for the strain that the simulator itself watches. What was timed while
+the machine did other work is timed again. Methods are trained for a tenth of their steps, on the frames that they are
+then timed on: times don't depend on what was learnt, but for a collision stage that has more to do behind a worse
+prediction.
 """
 
-import os
-import resource
 import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, fields, is_dataclass, replace
 from multiprocessing import get_context
 from pathlib import Path
@@ -20,15 +18,18 @@ from typing import Any
 
 import numpy as np
 from jaxtyping import Float
+from pebble import ProcessExpired, ProcessPool
 
 from garmentbench import sequence_file
 from garmentbench.device import device_name, quiet_warp
-from garmentbench.errors import UsageError, UserError
+from garmentbench.errors import FOREIGN, UsageError, UserError, described
 from garmentbench.method import HISTORY, BodyFrame, Clock, History, Method
 from garmentbench.metrics.ms_per_frame import LOAD, SLACK_MS
 from garmentbench.pipeline.choice import MethodChoice, choose_method
+from garmentbench.pipeline.shell import foreign_code
 from garmentbench.scenes.presets import Preset
 from garmentbench.scenes.scene import Scene
+from garmentbench.storage.machine import core_count, forget_peak_memory, machine, peak_memory_mb
 from garmentbench.storage.runs import RunStore
 
 SHARE = 0.1  # of its training steps that a method is given
@@ -55,7 +56,7 @@ class Timed:
         name: Of the method and its variant, or of the simulator.
         ms: Wall time of each frame [ms], shape (T,).
         processor_ms: Processor time of each frame [ms], shape (T,); None where a CUDA device is waited for.
-        memory_mb: The largest resident memory of its process [MB], Python and libraries included.
+        memory_mb: The most memory that its process held meanwhile [MB], Python and libraries included.
         threads: That it may use.
         ending: How its roll-out ended; empty where all is well.
     """
@@ -93,26 +94,29 @@ class Bench:
     simulated: tuple[Timed, ...]
 
     def method(self, name: str, threads: int = 1) -> Timed:
-        """Time a method, "name" or "name@variant", on the scene. Raises `UserError` where it can't be trained."""
-        job = (name, self.preset, self.path, self.folder, threads)
-        return _quietest(lambda: _in_a_process(_time_method, *job))
+        """Time a method, "name" or "name@variant", on the scene. Raises `UserError` where it fails."""
+        of = (name, self.preset, self.path, self.folder)
+        _in_a_process(_train, *of)
+        return _quietest(lambda: _in_a_process(_time_method, *of, threads))
 
     def pair(self, one: str, other: str) -> tuple[float, float, float]:
         """How much longer one method takes than another, frame by frame in turn: the ratio of their times and its 95 %
         interval. On a machine that does other work this is what counts."""
+        for name in (one, other):
+            _in_a_process(_train, name, self.preset, self.path, self.folder)
         return ratio(*_in_a_process(_time_pair, one, other, self.preset, self.path, self.folder))
 
 
 def make_bench(scene: Scene, preset: Preset, frames: int, folder: Path) -> Bench:
-    """Simulate so many frames of a scene, timed, into a folder."""
+    """Simulate that many frames of a scene, at most those that the preset allows, into a folder, and time it."""
+    frames = preset.mesh.limited(frames)
     if frames <= HISTORY + WARM_UP:
-        raise UsageError(f"bench: {frames} frames asked for; wanted more than {HISTORY + WARM_UP}")
-    scene = replace(scene, frames=frames)
-    path = folder / "bench.h5"
-    made = _quietest(lambda: _in_a_process(_time_simulator, scene, preset, path, None))
-    budgeted = () if scene.worn_over is not None else (XPBD,)
-    others = [_quietest(lambda n=n: _in_a_process(_time_simulator, scene, preset, path, n)) for n in budgeted]
-    return Bench(preset, folder, path, (made, *others))
+        raise UsageError(f"bench: {frames} frames; wanted more than {HISTORY + WARM_UP}")
+    scene, path = replace(scene, frames=frames), folder / "bench.h5"
+    _in_a_process(_simulate, scene, preset, path)
+    budgets = (None,) if scene.worn_over is not None else (None, XPBD)
+    simulated = [_quietest(lambda n=n: _in_a_process(_time_simulator, scene, preset, n)) for n in budgets]
+    return Bench(preset, folder, path, tuple(simulated))
 
 
 def ratio(one: Float[np.ndarray, " frames"], other: Float[np.ndarray, " frames"]) -> tuple[float, float, float]:
@@ -130,11 +134,11 @@ def ratio(one: Float[np.ndarray, " frames"], other: Float[np.ndarray, " frames"]
 
 
 def shortened(config: Any, share: float = SHARE) -> Any:
-    """A configuration with so many of the steps of each training in it, one at least."""
+    """A configuration with this share of the steps of each training in it, one step at least."""
     if not is_dataclass(config) or isinstance(config, type):
         return config
     changed = {f.name: shortened(getattr(config, f.name), share) for f in fields(config)}
-    if {"steps", "learning_rate"} <= changed.keys() and "schedule" in changed:
+    if {"steps", "learning_rate", "schedule"} <= changed.keys():
         changed["steps"] = max(1, round(share * changed["steps"]))
     return replace(config, **changed)
 
@@ -151,21 +155,37 @@ def _quietest(time_it: Callable[[], Timed]) -> Timed:
 
 
 def _in_a_process(call: Callable[..., Any], *arguments: Any) -> Any:
-    with ProcessPoolExecutor(1, get_context("spawn")) as pool:
-        return pool.submit(call, *arguments).result()
+    """What a call gives in a process of its own, which ends with it, or with Ctrl-C."""
+    context: Any = get_context("spawn")
+    pool = ProcessPool(1, context=context)
+    try:
+        result = pool.schedule(call, arguments).result()
+        pool.close()
+    except ProcessExpired as e:
+        raise UserError(
+            "bench: its process died, perhaps for want of memory; try fewer frames or a smaller preset"
+        ) from e
+    finally:
+        pool.stop()
+        pool.join()
+    return result
 
 
-def _memory_mb() -> float:
-    """The largest resident memory of this process so far [MB]; Linux counts in KiB, macOS in bytes."""
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return peak / 2**20 if sys.platform == "darwin" else peak / 2**10
+def _simulate(scene: Scene, preset: Preset, path: Path) -> None:
+    from garmentbench.simulation.simulate import simulate
+
+    quiet_warp()
+    sequence_file.save(simulate(scene, preset, _warp_device()), path)
 
 
-def _time_simulator(scene: Scene, preset: Preset, path: Path, budget: int | None) -> Timed:
-    """Simulate a scene's outer garment, into a file where there is no budget."""
+def _warp_device() -> str:
+    return "cuda:0" if device_name() == "cuda" else "cpu"
+
+
+def _time_simulator(scene: Scene, preset: Preset, budget: int | None) -> Timed:
+    """Of a scene's garments, or of the one that there is by the budgeted simulator."""
     from garmentbench.simulation.drive import drive
     from garmentbench.simulation.outfit import Outfit
-    from garmentbench.simulation.simulate import simulate
 
     quiet_warp()
     ticks: list[tuple[float, float]] = []
@@ -173,10 +193,8 @@ def _time_simulator(scene: Scene, preset: Preset, path: Path, budget: int | None
     def tick() -> None:
         ticks.append((time.perf_counter(), time.process_time()))
 
-    device = "cuda:0" if device_name() == "cuda" else "cpu"
-    outfit = Outfit.of(scene, preset)
+    outfit, device = Outfit.of(scene, preset), _warp_device()
     if budget is None:
-        sequence_file.save(simulate(scene, preset, device), path)
         outfit.simulate(outfit.frames, device, step=tick)
         name = "simulator"
     else:
@@ -184,55 +202,74 @@ def _time_simulator(scene: Scene, preset: Preset, path: Path, budget: int | None
         inputs = (layer.garment, layer.start, animation.body, animation.positions, outfit.fps)
         drive(*inputs, layer.material, layer.settings, device, budget=budget, step=tick)
         name = f"simulator, XPBD, {budget} substeps"
-    wall, own = 1e3 * np.diff(np.array(ticks), axis=0)[-scene.frames + 1 :].T
-    return Timed(name, wall, None if device_name() == "cuda" else own, _memory_mb())
+    wall, own = 1e3 * np.diff(np.array(ticks), axis=0)[-outfit.frames + 1 :].T
+    return Timed(name, wall, None if device_name() == "cuda" else own, peak_memory_mb()["process"])
 
 
-def _trained(name: str, preset: Preset, path: Path, folder: Path) -> tuple[Method, Any]:
-    """A method trained for a little, once, and the sequence."""
+def _chosen(name: str, preset: Preset) -> tuple[MethodChoice, Any]:
+    """A method, by "name" or "name@variant", and its configuration for little training."""
     method, _, variant = name.partition("@")
-    choice: MethodChoice = choose_method(method, variant or "full", preset)
-    sequence = sequence_file.load(path)
-    config = shortened(choice.config)
+    choice = choose_method(method, variant or "full", preset)
+    return choice, shortened(choice.config)
+
+
+def _train(name: str, preset: Preset, path: Path, folder: Path) -> None:
+    """Train a method for a little, once."""
+    quiet_warp()
+    choice, config = _chosen(name, preset)
     with RunStore(folder / "runs").open("bench", {"method": name, "config": config}) as run:
-        kept = run.folder / "method"
         if not run.finished:
+            kept = run.folder / "method"
             kept.mkdir(exist_ok=True)
-            choice.method.fit((sequence,), config, run).save(kept)
+            with foreign_code(run, "fit", choice.method):
+                choice.method.fit((sequence_file.load(path),), config, run).save(kept)
             run.finish()
-    return choice.method.load(kept), sequence
+
+
+def _trained(name: str, preset: Preset, folder: Path) -> Method:
+    choice, config = _chosen(name, preset)
+    with RunStore(folder / "runs").open("bench", {"method": name, "config": config}) as run:
+        return choice.method.load(run.folder / "method")
 
 
 def _time_method(name: str, preset: Preset, path: Path, folder: Path, threads: int) -> Timed:
+    from garmentbench.evaluation.broken import judged
     from garmentbench.evaluation.rollout import OK, roll_out
+    from garmentbench.evaluation.score import predicted
 
     quiet_warp()
-    learnt, sequence = _trained(name, preset, path, folder)
+    learnt, sequence = _trained(name, preset, folder), sequence_file.load(path)
     _use(threads)
+    forget_peak_memory()
     roll = roll_out(learnt, sequence)
-    frames = slice(HISTORY + WARM_UP, roll.first_bad_frame)
+    memory, frames = peak_memory_mb()["process"], slice(HISTORY + WARM_UP, roll.first_bad_frame)
     if not len(roll.ms[frames]):
         raise UserError(f"bench: {name} {roll.status} in its first frames: {roll.message}")
     own = None if roll.processor_ms is None else roll.processor_ms[frames]
+    roll = judged(roll, predicted(roll, sequence))
     ending = "" if roll.status == OK else f"{roll.status} at frame {roll.first_bad_frame}"
-    return Timed(name, roll.ms[frames].sum(axis=1), own, _memory_mb(), threads, ending)
+    return Timed(name, roll.ms[frames].sum(axis=1), own, memory, threads, ending)
 
 
 def _time_pair(one: str, other: str, preset: Preset, path: Path, folder: Path) -> tuple[np.ndarray, np.ndarray]:
     """Wall times [ms] of both, shape (T,) each, one frame of the one after one of the other and then the other way."""
     quiet_warp()
-    pairs = [_trained(name, preset, path, folder) for name in (one, other)]
+    sequence, methods = sequence_file.load(path), [_trained(name, preset, folder) for name in (one, other)]
     _use(1)
-    sequence = pairs[0][1]
-    states = [learnt.begin(sequence.template, History.before(sequence, HISTORY)) for learnt, _ in pairs]
     ms = np.full((len(sequence), 2), np.nan)
-    for frame in range(HISTORY, len(sequence)):
-        body = None if sequence.body is None else sequence.body[frame]
-        for k in (0, 1) if frame % 2 else (1, 0):
-            clock = Clock()
-            with clock.running():
-                _, states[k] = pairs[k][0].step(states[k], BodyFrame(body))
-            ms[frame, k] = sum(clock.ms.values())
+    try:
+        states = [method.begin(sequence.template, History.before(sequence, HISTORY)) for method in methods]
+        for frame in range(HISTORY, len(sequence)):
+            body = None if sequence.body is None else sequence.body[frame]
+            for k in (0, 1) if frame % 2 else (1, 0):
+                clock = Clock()
+                with clock.running():
+                    _, states[k] = methods[k].step(states[k], BodyFrame(body))
+                ms[frame, k] = sum(clock.ms.values())
+    except FOREIGN as e:  # a method may be anybody's, and raise anything
+        raise UserError(
+            f"bench --pair: a step raised {described(e, type(methods[0]))}; time it alone to see which"
+        ) from e
     one_ms, other_ms = ms[HISTORY + WARM_UP :].T
     return one_ms, other_ms
 
@@ -243,22 +280,10 @@ def _use(threads: int) -> None:
         torch.set_num_threads(threads)
 
 
-def cores() -> int:
-    """How many processor cores this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def machine() -> str:
-    """The processor, the device and what counts as its precision, in words."""
-    import platform
-
-    names = [platform.processor()]
-    info = Path("/proc/cpuinfo")
-    if info.is_file():
-        names = [
-            line.split(":", 1)[1].strip() for line in info.read_text().splitlines() if line.startswith("model name")
-        ]
-    return f"{(names or [''])[0] or platform.machine()}, {cores()} cores; device {device_name()}; float32"
+def told() -> str:
+    """The machine that is timed, in words."""
+    m = machine()
+    return f"{m['cpu']}, {m['cores']} cores, {m['memory_gb']} GB; device {device_name()}; float32"
 
 
 def temporary() -> "tempfile.TemporaryDirectory[str]":
@@ -267,9 +292,9 @@ def temporary() -> "tempfile.TemporaryDirectory[str]":
 
 
 def timed_all(bench: Bench, names: tuple[str, ...]) -> Iterator[Timed]:
-    """The simulator, each method on one thread, and the last one on all cores, too."""
+    """The simulator, each method on one thread, and the last one with torch on all cores, too."""
     yield from bench.simulated
     for name in names:
         yield bench.method(name)
-    if names and cores() > 1:
-        yield bench.method(names[-1], cores())
+    if names and core_count() > 1:
+        yield bench.method(names[-1], core_count())

@@ -64,7 +64,7 @@ def is_seen(motion: str, body: str, chosen: str) -> tuple[bool, bool]:
     return kind(motion) in kinds, body in known.training_sets[chosen].bodies
 
 
-def novelty(scene: str, chosen: str) -> str:
+def what_is_new(scene: str, chosen: str) -> str:
     """What a scene has that a training set has not: "new phrase", "new kind", "new body" or "new kind and body"."""
     _, motion, body = wardrobe().scenes()[scene]
     kind_seen, body_seen = is_seen(motion, body, chosen)

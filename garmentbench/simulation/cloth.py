@@ -1,7 +1,6 @@
 """The solver: a fabric and a collider on one device, advanced frame by frame."""
 
 import math
-from functools import partial
 
 import numpy as np
 import warp as wp
@@ -63,10 +62,7 @@ class Solver:
             )
         self.collider = None if touched is None else Collider(*touched, self.cloth, device)
         self.shared = ContactSet(fabric, self.cloth, self.contact, self.collider, self.physics, settings, device)
-        self._stretches = [
-            (Recorded(partial(self._move, q), device), Recorded(partial(self._go_on, q), device))
-            for q in range(self.queries)
-        ]
+        self._recorded = [(Recorded(device), Recorded(device)) for _ in range(self.queries)]
 
     @property
     def positions(self) -> Float[np.ndarray, "particles 3"]:
@@ -88,11 +84,11 @@ class Solver:
 
     def advance(self) -> None:
         """One frame. The collider must hold that frame already."""
-        for move, go_on in self._stretches:
+        for q, (move, go_on) in enumerate(self._recorded):
             if self.collider is not None:
-                move()
+                move.run(self._move, q)
                 self.collider.refit()
-            go_on()
+            go_on.run(self._go_on, q)
 
     def _move(self, query: int) -> None:
         """Bring the collider to the time of a query, but for its meshes' boxes."""

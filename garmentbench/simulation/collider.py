@@ -5,7 +5,7 @@ import warp as wp
 from jaxtyping import Float
 
 from garmentbench.geometry.mesh import border_vertices
-from garmentbench.simulation.contact import Surface, find_contacts, let_go, move_surface
+from garmentbench.simulation.contact import Surface, find_contacts, forget_contacts, move_surface
 from garmentbench.simulation.holding import Holding, attach, hold
 from garmentbench.simulation.kernels import Cloth, Contact
 
@@ -73,7 +73,7 @@ class Collider:
 
         The outermost surface comes first: it mostly is the nearest, and then bounds the search of the others.
         """
-        wp.launch(let_go, len(self.cloth.x), [self.surface, self.cloth, contact], device=self.device)
+        wp.launch(forget_contacts, len(self.cloth.x), [self.surface, self.cloth, contact], device=self.device)
         inputs = [self.surface, self.faces, self.holding, contact, interval]
         wp.launch(hold, len(self.holding.pin), inputs, device=self.device)
         self.find(self.cloth.x, self.cloth.pinned, self.near, contact)

@@ -48,7 +48,7 @@ def move_surface(s: Surface, u0: float, u1: float, interval: float):
 
 
 @wp.kernel(enable_backward=False)
-def let_go(s: Surface, c: Cloth, h: Contact):
+def forget_contacts(s: Surface, c: Cloth, h: Contact):
     """Particles that are not pinned touch nothing yet: dim = P."""
     i = wp.tid()
     if c.pinned[i] == 0:

@@ -48,7 +48,7 @@ class State:
 
     @property
     def novelty(self) -> float | None:
-        """Of the last frame. It is found when it is asked for, so that it costs a step nothing."""
+        """Of the last frame. It is found when it is asked for, so that it adds nothing to a step's time."""
         return None if self.look is None else self.look()
 
 

@@ -55,7 +55,7 @@ class State:
     @property
     def novelty(self) -> float | None:
         """How far the last frame's seeds and code are from all training frames'. It is found when it is asked for, so
-        that it costs a step nothing."""
+        that it adds nothing to a step's time."""
         return None if self.look is None else self.look()
 
 

@@ -15,7 +15,7 @@ SHORT = ("--scene", "sheet-stick-a", "--preset", "smoke", "--frames", "12")
 
 
 def test_a_line_for_the_simulators_and_each_method_and_the_last_on_all_cores(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("garmentbench.pipeline.bench.cores", lambda: 2)
+    monkeypatch.setattr("garmentbench.pipeline.bench.core_count", lambda: 2)
     monkeypatch.setattr("garmentbench.pipeline.bench._in_a_process", lambda call, *arguments: call(*arguments))
     assert main(["--home", str(tmp_path), "bench", "skinning", "hold", *SHORT]) == 0
     said, header, *lines = capsys.readouterr().out.splitlines()
@@ -40,7 +40,7 @@ def test_two_in_turn(tmp_path, capsys):
         (["--pair", "skinning"], "1 methods are given; wanted two"),
         (["skining"], "did you mean 'skinning'"),
         (["motion_guided@push_outt"], "did you mean 'push_out'"),
-        (["--frames", "5"], "5 frames asked for"),
+        (["--frames", "5"], "bench: 5 frames; wanted more than 6"),
     ],
 )
 def test_a_wrong_call_is_refused_before_anything_is_simulated(typed, said, capsys):

@@ -29,6 +29,11 @@ def test_the_distance_to_the_nearest_frame_in_units_of_their_own():
     assert known(np.array([10.0, 5.0]), np.zeros(1)) == pytest.approx(5 / (known.unit * spread), rel=1e-5)
 
 
+def test_frames_that_are_all_neighbours_in_time_say_nothing():
+    known = Novelty.of(np.arange(10.0)[:, None], np.zeros((10, 1)), [10])
+    assert np.isnan(known(np.array([1e6]), np.zeros(1)))
+
+
 def test_it_is_read_back(tmp_path):
     rng = np.random.default_rng(0)
     known = Novelty.of(rng.normal(size=(60, 4)), rng.normal(size=(60, 3)), [40, 20])

@@ -13,7 +13,7 @@ WALK = replace(SKIRT, scene="walk", static=1.03)  # the pose alone does it: 1.00
 CODES = replace(SKIRT, scene="codes", floor=0.60)  # at the floor: 1.72
 CHAOS = replace(SKIRT, scene="chaos", spread=0.60)  # 0.515 < 0.60
 SHORT = replace(SKIRT, scene="short", frames=399)
-SPIN = replace(SKIRT, scene="spin", novelty="new kind")
+SPIN = replace(SKIRT, scene="spin", what_is_new="new kind")
 
 
 def test_the_margins_are_the_three_ratios():

@@ -1,5 +1,6 @@
 """A roll-out that ran to its end and is cloth no more is called so, with the frame and the reason."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -72,3 +73,13 @@ def test_what_ended_before_is_left_as_it_is(status):
     garment[12:] = np.nan
     roll = RollOut("roll_out", 3, garment, None, np.ones((20, 3)), status, 12, "as it was")
     assert judged(roll, predicted(roll, SEQUENCE)) is roll
+
+
+def test_what_is_shown_of_it_is_marked_beside_what_else_is_noted():
+    from garmentbench.report.cells import value_cell
+    from garmentbench.report.lines import Value
+
+    value = Value(1.234, None, ("broken at frame 9",), 1, math.nan, math.nan, True, ("trained on this scene",))
+    assert value_cell(value).text == "1.23 (broken; trained on this scene)" and value_cell(value).bad
+    three = replace(value, seeds=3, interval=0.5, notes=())
+    assert value_cell(three).text == "1.23 ± 0.50 (1 of 3 broken)"
