@@ -1,17 +1,19 @@
-"""Broken: a roll-out that ran to its end and is cloth no more.
+"""Broken: a roll-out that ran to its end and is no longer cloth.
 
 A frame is broken where one of three holds:
 
-    strain: the 99th percentile of the absolute edge strain is above 50 % and above twice the reference's largest
-    inside: the share of vertices inside the body is by 10 points above the reference's largest
+    strain: the 99th percentile of the absolute edge strain is above 100 % and above twice the reference's largest
+    inside: the share of vertices inside the body (`interpenetration_strict`) is 25 points above the reference's largest
     speed:  the root mean square of the vertices' speed is above 0.5 m/s and above 3 times the reference's largest
 
 Between "ok" and "diverged": its numbers stay in the tables, marked, with the first such frame and the rule that it
 broke, and they don't compete.
 
 When it lies. The reference's largest values are those of the whole scene, so a roll-out may be wild in a calm part of a
-wild one. A garment that shrinks evenly by less than half, or sinks in by a twentieth, is bad and not broken: read
-strain and inside themselves. The bounds are ours, set once, on no result.
+wild one. What leaps away in the first predicted frame and then stays there is judged by its strain alone. A garment
+that is stretched by half, or a tenth of which is behind the skin for a frame, is bad and not broken: read strain and
+inside themselves. (At those bounds, tried first, skinning was broken on every skirt, and each linear method somewhere
+on the T-shirt's walk; what nearly everybody has tells nothing.)
 """
 
 from collections.abc import Iterator
@@ -25,8 +27,8 @@ from garmentbench.geometry.cloth_rest import rest_lengths
 from garmentbench.geometry.mesh import edge_lengths
 from garmentbench.metrics.metric import Motion, has_inside
 
-STRAIN, TIMES_STRAIN = 0.5, 2.0
-INSIDE = 0.1
+STRAIN, TIMES_STRAIN = 1.0, 2.0
+INSIDE = 0.25
 SPEED, TIMES_SPEED = 0.5, 3.0  # [m/s]
 
 

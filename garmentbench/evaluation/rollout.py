@@ -34,7 +34,7 @@ class RollOut:
         before_collision: The same before the method's collision stage, NaN where there is none; None if it has no such
             stage.
         ms: Milliseconds of each frame's prepare, predict and collide, shape (T, 3); NaN where nothing was timed.
-        status: "ok", "broken" (no cloth any more, see `broken`), "diverged" (not finite, or a vertex farther from the
+        status: "ok", "broken" (no longer cloth, see `broken`), "diverged" (not finite, or a vertex farther from the
             reference than the body is high), or "failed" (raised, or returned something else than garment vertices).
         first_bad_frame: The frame at which it broke, diverged or failed; None where it did not.
         message: What happened there; empty where all is well.
@@ -142,8 +142,8 @@ def _run(kind: str, method: Method, sequence: Sequence, progress: Callable[[], N
             processor_ms[frame] = np.nan if clock.processor_ms is None else clock.processor_ms
             if getattr(state, "before_collision", None) is not None:
                 before[frame] = np.asarray(state.before_collision)
-            if getattr(state, "novelty", None) is not None:
-                novelty[frame] = float(state.novelty)
+            if kind == ROLL_OUT and (said := getattr(state, "novelty", None)) is not None:
+                novelty[frame] = float(said)
             if progress is not None:
                 progress()
     except _Bad as e:

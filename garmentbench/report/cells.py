@@ -33,12 +33,10 @@ def value_cell(value: Value | None, bold: bool = False, whole: bool = False) -> 
     if math.isnan(value.mean):
         return Cell(ended or ABSENT, bad=bool(ended))
     text = number(value.mean, whole) + (f" ± {number(value.interval, whole)}" if value.interval is not None else "")
-    if ended and len(value.endings) == value.seeds:
-        return Cell(f"{text} ({ended})", bad=True)
-    if ended:
-        return Cell(f"{text} ({len(value.endings)} of {value.seeds} {ended})", bad=True)
-    if value.notes:
-        return Cell(f"{text} ({'; '.join(value.notes)})", bad=True)
+    if ended and len(value.endings) < value.seeds:
+        ended = f"{len(value.endings)} of {value.seeds} {ended}"
+    if said := [text for text in (ended, *value.notes) if text]:
+        return Cell(f"{text} ({'; '.join(said)})", bad=True)
     return Cell(text, bold=bold)
 
 

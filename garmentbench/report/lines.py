@@ -185,7 +185,8 @@ def read_results(path: Path) -> Frame:
 
 def _value(rows: Frame, random: bool) -> Value:
     finite = rows.value[np.isfinite(rows.value)].to_numpy()
-    ended = rows[~np.isfinite(rows.value) | (rows.status == BROKEN)]
+    broken = (rows.status == BROKEN) & (rows.unit != "ms")  # a time is none the worse for it
+    ended = rows[~np.isfinite(rows.value) | broken]
     return Value(
         mean=float(finite.mean()) if len(finite) else math.nan,
         interval=confidence_95(finite) if len(finite) > 1 else None,
