@@ -54,7 +54,7 @@ class Motion:
         """A sequence as its own prediction."""
         return cls(sequence.garment, sequence.garment, sequence.body, sequence.template, runs=sequence.runs)
 
-    @cached_property
+    @property
     def truth(self) -> "Motion":
         """The reference in the prediction's place; it has no collision stage and was not timed."""
         before = None if self.before_collision is None else self.reference

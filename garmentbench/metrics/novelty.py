@@ -1,7 +1,7 @@
 """Novelty: does the method know when it does not know?
 
 A method may say of each frame how far the pose and its garment are from what it was trained on (`state.novelty`; 1: as
-far as all but a hundredth of its training frames are from the others).
+far as the farthest of its training frames are from the others).
 
     novelty_correlation = Spearman's rank correlation of novelty and error, over the frames of a roll-out    [1]
     novel_frames = 100 * share of frames whose novelty is above 1    [%]
@@ -11,7 +11,7 @@ far as all but a hundredth of its training frames are from the others).
 When it lies. Both grow along a roll-out that drifts, so they correlate over time without either knowing of the other,
 and where errors are even, as on a steady walk, there is nothing to correlate: read it beside `novel_frames` and across
 scenes. A method measures novelty with its own eyes; two methods' values are not of one scale. Frames after a roll-out
-diverged or failed are not among them.
+broke are not among them.
 """
 
 import numpy as np
