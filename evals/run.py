@@ -13,7 +13,7 @@ from garmentbench.evals import CARDS, COMPANIONS, EXPERIMENTS
 from garmentbench.evals.experiment import Experiment, finished_rows
 from garmentbench.evals.own import read_experiments
 from garmentbench.evaluation.results import COLUMNS, Row, warnings
-from garmentbench.evaluation.rollout import BROKEN, OK
+from garmentbench.evaluation.rollout import COMPLETE
 from garmentbench.metrics.skill import SKILL, skill
 from garmentbench.report.lines import read_results
 from garmentbench.scenes.presets import Preset
@@ -153,7 +153,7 @@ def with_skill(rows: list[Row]) -> list[Row]:
     It follows from the digits that results.csv keeps, so that it is the same whether a row was measured just now or
     read from there.
     """
-    errors = [r for r in rows if r.metric == "rollout_l2" and r.status in (OK, BROKEN)]
+    errors = [r for r in rows if r.metric == "rollout_l2" and r.status in COMPLETE]
     skinning = {(r.scene, r.horizon): _kept(r.value) for r in errors if r.method == "skinning"}
     skills = []
     for r in errors:

@@ -15,7 +15,7 @@ from garmentbench.evals.comparison import Comparison
 from garmentbench.evals.experiment import Work, about, failed_row, first_failure, named
 from garmentbench.evals.trial import FULL, Entry, Trial
 from garmentbench.evaluation.results import Row
-from garmentbench.evaluation.rollout import BROKEN, DIVERGED, OK, RollOut
+from garmentbench.evaluation.rollout import COMPLETE, DIVERGED, OK, RollOut
 from garmentbench.geometry.cloth_rest import cloth_at_rest
 from garmentbench.metrics import metric
 from garmentbench.metrics.change import change
@@ -162,7 +162,7 @@ def simulator_measures(scene: Scene, path: Path, unstressed: Path) -> list[Row]:
 
 def method_measures(scene: Scene, path: Path, roll_out: RollOut, unstressed: RollOut) -> list[Row]:
     """Rows that a method's line has beside its usual ones."""
-    if roll_out.status not in (OK, BROKEN):
+    if roll_out.status not in COMPLETE:
         return []
     sequence = sequence_file.load(path)
     values = _stress_values(scene, sequence, roll_out.garment, unstressed.garment)

@@ -8,6 +8,7 @@ A training frame's own neighbours in time don't count as near to it. So 1 is as 
 training frames are from the others.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -19,6 +20,22 @@ NEIGHBOURS = 15  # frames before and after one, which are like it
 KEPT = 4_000  # training frames that are compared with, at most
 _PERCENTILE = 99
 _BLOCK = 256
+
+
+@dataclass(frozen=True, kw_only=True)
+class Telling:
+    """A state that tells the novelty of its frame.
+
+    Attributes:
+        look: What it is asked of; None before the first step, and where the training frames are not known.
+    """
+
+    look: Callable[[], float] | None = None
+
+    @property
+    def novelty(self) -> float | None:
+        """Of the last frame. It is found when it is asked for, so that it adds nothing to a step's time."""
+        return None if self.look is None else self.look()
 
 
 @dataclass(frozen=True)

@@ -42,13 +42,15 @@ class Bench:
     device: str = "auto"
 
     def run(self) -> None:
+        import tempfile
+
         from garmentbench.commands.table import print_table
         from garmentbench.device import choose_device, one_thread, require_device
         from garmentbench.errors import UsageError
 
         choose_device(self.device)
         one_thread()
-        from garmentbench.pipeline.bench import METHODS, make_bench, temporary, timed_all, told
+        from garmentbench.pipeline.bench import METHODS, make_bench, timed_all, told
         from garmentbench.pipeline.choice import choose_method
         from garmentbench.scenes.presets import preset
         from garmentbench.scenes.wardrobe import load_scene
@@ -61,7 +63,7 @@ class Bench:
             method, _, variant = name.partition("@")
             choose_method(method, variant or "full", size)
         print(f"{told()}; {scene.name}, {size.name}")
-        with temporary() as folder:
+        with tempfile.TemporaryDirectory(prefix="garmentbench-bench-") as folder:
             bench = make_bench(scene, size, self.frames, Path(folder))
             if self.pair:
                 times, low, high = bench.pair(*names)

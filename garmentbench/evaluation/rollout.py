@@ -16,6 +16,7 @@ from garmentbench.storage import hdf5
 
 ROLL_OUT, ONE_STEP = "roll_out", "one_step"
 OK, BROKEN, DIVERGED, FAILED = "ok", "broken", "diverged", "failed"
+COMPLETE = (OK, BROKEN)  # it came to its end, and every frame can be measured
 SCHEMA = 1
 _ARRAYS = ("garment", "before_collision", "ms", "processor_ms", "novelty")
 _REMAKE = "evaluate again (garmentbench evaluate)"

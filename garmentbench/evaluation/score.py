@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from garmentbench.evaluation.results import BELOW_HALF_SPREAD, RUN_BROKE, UNDER_LOAD, Row
-from garmentbench.evaluation.rollout import BROKEN, OK, RollOut
+from garmentbench.evaluation.rollout import COMPLETE, RollOut
 from garmentbench.metrics import METRICS, Metric, Motion
 from garmentbench.metrics.ensemble import ENERGY_SCORE, ERROR, ERROR_OVER_SPREAD
 from garmentbench.metrics.l2 import ONE_STEP_L2, ROLLOUT_L2
@@ -103,7 +103,7 @@ def predicted(roll: RollOut, sequence: Sequence) -> Motion:
 def _row(
     metric: Metric, roll: RollOut, motion: Motion, sequence: Sequence, horizon: int, spread: float | None = None
 ) -> Row:
-    value = math.nan if metric.whole and roll.status not in (OK, BROKEN) else metric.compute(motion)
+    value = math.nan if metric.whole and roll.status not in COMPLETE else metric.compute(motion)
     columns = {"horizon": horizon, "status": roll.status, "first_bad_frame": roll.first_bad_frame}
     row = Row.of(metric, value, spread=spread if metric.unit == "cm" else None, **columns)
     if metric is ROLLOUT_L2 and spread is not None and horizon == len(sequence) and 0 < value < spread / 2:

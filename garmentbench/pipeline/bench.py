@@ -8,7 +8,6 @@ prediction.
 """
 
 import sys
-import tempfile
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields, is_dataclass, replace
@@ -34,7 +33,7 @@ from garmentbench.storage.runs import RunStore
 
 SHARE = 0.1  # of its training steps that a method is given
 AGAIN = 2  # times that what was timed under load is timed again
-XPBD = 10  # substeps a frame of the budgeted simulator
+XPBD = 16  # substeps a frame of the budgeted simulator; with 10 a laptop T-shirt flies apart
 BLOCK = 5  # neighbouring frames, whose times are alike, are drawn together for the interval
 WARM_UP = 3  # frames
 METHODS = (
@@ -58,7 +57,7 @@ class Timed:
         processor_ms: Processor time of each frame [ms], shape (T,); None where a CUDA device is waited for.
         memory_mb: The most memory that its process held meanwhile [MB], Python and libraries included.
         threads: That it may use.
-        ending: How its roll-out ended; empty where all is well.
+        ending: How its roll-out or simulation ended; empty where all is well.
     """
 
     name: str
@@ -195,15 +194,17 @@ def _time_simulator(scene: Scene, preset: Preset, budget: int | None) -> Timed:
 
     outfit, device = Outfit.of(scene, preset), _warp_device()
     if budget is None:
-        outfit.simulate(outfit.frames, device, step=tick)
+        run = outfit.simulate(outfit.frames, device, step=tick)[-1].run
         name = "simulator"
     else:
         layer, animation = outfit.layers[-1], outfit.animation
         inputs = (layer.garment, layer.start, animation.body, animation.positions, outfit.fps)
-        drive(*inputs, layer.material, layer.settings, device, budget=budget, step=tick)
+        run = drive(*inputs, layer.material, layer.settings, device, budget=budget, step=tick)
         name = f"simulator, XPBD, {budget} substeps"
     wall, own = 1e3 * np.diff(np.array(ticks), axis=0)[-outfit.frames + 1 :].T
-    return Timed(name, wall, None if device_name() == "cuda" else own, peak_memory_mb()["process"])
+    own = None if device_name() == "cuda" else own
+    ending = "" if run.first_bad_frame is None else f"{run.status} at frame {run.first_bad_frame} of warm-up and scene"
+    return Timed(name, wall, own, peak_memory_mb()["process"], ending=ending)
 
 
 def _chosen(name: str, preset: Preset) -> tuple[MethodChoice, Any]:
@@ -284,11 +285,6 @@ def told() -> str:
     """The machine that is timed, in words."""
     m = machine()
     return f"{m['cpu']}, {m['cores']} cores, {m['memory_gb']} GB; device {device_name()}; float32"
-
-
-def temporary() -> "tempfile.TemporaryDirectory[str]":
-    """Where a bench lies while it runs."""
-    return tempfile.TemporaryDirectory(prefix="garmentbench-bench-")
 
 
 def timed_all(bench: Bench, names: tuple[str, ...]) -> Iterator[Timed]:

@@ -1,7 +1,6 @@
 """What methods have in common that advance a garment's code frame by frame, beside the body's."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -11,26 +10,20 @@ import numpy as np
 from garmentbench.geometry.blend_skinning import Skin, SkinOf, place
 from garmentbench.method import HISTORY, BodyFrame, History, span
 from garmentbench.methods.baselines.subspace import Subspace, features
-from garmentbench.methods.novelty import Novelty
+from garmentbench.methods.novelty import Novelty, Telling
 from garmentbench.sequence import Template
 
 AGO = tuple(range(HISTORY, -1, -1))  # frames before the present one, in which the body is looked at
 
 
 @dataclass(frozen=True)
-class State:
+class State(Telling):
     """skin: carries the garment. bodies: the last three [m], (3, B, 3), or None. memory: the method's, as after
-    `CodeDynamics.start`. look: what `novelty` is asked of, the last frame's body and garment; None before the first."""
+    `CodeDynamics.start`."""
 
     skin: Skin
     bodies: np.ndarray | None
     memory: Any
-    look: Callable[[], float] | None = None
-
-    @property
-    def novelty(self) -> float | None:
-        """Of the last frame. It is found when it is asked for, so that it adds nothing to a step's time."""
-        return None if self.look is None else self.look()
 
 
 class CodeDynamics(ABC):

@@ -11,7 +11,6 @@ A roll-out begins with three frames: until half a second has passed, the body is
 single step sees three poses, not sixteen: read its error in roll-outs.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -23,7 +22,7 @@ from garmentbench.method import BodyFrame, FitRun, History, span
 from garmentbench.methods.baselines.held_out import folds
 from garmentbench.methods.baselines.ridge import STRENGTHS, Moments
 from garmentbench.methods.baselines.subspace import Encoded, Sizes, Subspace, features, load, save
-from garmentbench.methods.novelty import Novelty
+from garmentbench.methods.novelty import Novelty, Telling
 from garmentbench.sequence import Sequence, Template
 
 SECONDS = np.array([15, 12, 9, 6, 4, 2, 1, 0]) / 30  # before the present, at which the body is looked at
@@ -37,19 +36,12 @@ class Config(Sizes):
 
 
 @dataclass(frozen=True)
-class State:
-    """skin: carries the garment. ago: frames to look back. bodies: the last half second [m], (H, B, 3), or None. look:
-    what `novelty` is asked of; None before the first step."""
+class State(Telling):
+    """skin: carries the garment. ago: frames to look back. bodies: the last half second [m], (H, B, 3), or None."""
 
     skin: Skin
     ago: tuple[int, ...]
     bodies: np.ndarray | None
-    look: Callable[[], float] | None = None
-
-    @property
-    def novelty(self) -> float | None:
-        """Of the last frame. It is found when it is asked for, so that it adds nothing to a step's time."""
-        return None if self.look is None else self.look()
 
 
 class StaticRidge:

@@ -1,6 +1,6 @@
 """What the baselines in a subspace share: how they see garment and body."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -96,6 +96,9 @@ class Encoded:
         return cls(seeds, garment, body, recordings, [kind(sequence) for sequence in train], novelty)
 
 
+_PARTS = {"garment": Subspace, "body": Subspace, "novelty": Novelty}
+
+
 def save(path: Path, garment: Subspace, body: Subspace, novelty: Novelty, **arrays: np.ndarray) -> None:
     """Write the subspaces of garment and body, what is known, and further arrays, as an .npz file."""
     parts = {"garment": garment, "body": body, "novelty": novelty}
@@ -108,9 +111,10 @@ def load(path: Path) -> dict[str, Any]:
     """Read what `save` wrote, by the names of its arguments."""
     with np.load(path, allow_pickle=False) as file:
         arrays: dict[str, Any] = dict(file)
-    subspaces = {n: Subspace(arrays.pop(f"{n}_mean"), arrays.pop(f"{n}_basis")) for n in ("garment", "body")}
-    known = {key: arrays.pop(f"novelty_{key}") for key in ("known", "spread", "unit")}
-    return subspaces | arrays | {"novelty": Novelty(known["known"], known["spread"], float(known["unit"]))}
+    parts = {
+        name: kind(*(arrays.pop(f"{name}_{field.name}") for field in fields(kind))) for name, kind in _PARTS.items()
+    }
+    return parts | arrays
 
 
 def recorded(

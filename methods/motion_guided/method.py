@@ -1,7 +1,6 @@
 """The motion-guided model through the contract of `garmentbench.method`."""
 
 import json
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
@@ -20,7 +19,7 @@ from garmentbench.methods.motion_guided.generative import GenerativeModel
 from garmentbench.methods.motion_guided.runtime import Runtime
 from garmentbench.methods.motion_guided.seams import Seams
 from garmentbench.methods.motion_guided.stages import train_stages
-from garmentbench.methods.novelty import Novelty
+from garmentbench.methods.novelty import Novelty, Telling
 from garmentbench.methods.training import load, save, without_denormals
 from garmentbench.sequence import Sequence, Template
 from garmentbench.storage.atomic import write_text
@@ -31,7 +30,7 @@ _NOVELTY = "novelty.npz"
 
 
 @dataclass(frozen=True)
-class State:
+class State(Telling):
     """What a roll-out carries from frame to frame.
 
     Attributes:
@@ -42,7 +41,6 @@ class State:
             where there is no such stage.
         collision: The stage itself; None where the scene or the configuration has none.
         residual: The residual displacement map that it goes on from.
-        look: What `novelty` is asked of; None before the first step, and of imported networks.
     """
 
     garments: np.ndarray
@@ -50,13 +48,6 @@ class State:
     before_collision: np.ndarray | None
     collision: CollisionStage | None
     residual: Residual | None
-    look: Callable[[], float] | None = None
-
-    @property
-    def novelty(self) -> float | None:
-        """How far the last frame's seeds and code are from all training frames'. It is found when it is asked for, so
-        that it adds nothing to a step's time."""
-        return None if self.look is None else self.look()
 
 
 class MotionGuided:
@@ -146,7 +137,7 @@ class MotionGuided:
                     garment, closed = self._world(now, torch.from_numpy(pushed).to(posed))
         garments = np.concatenate([state.garments[1:], garment[None]])
         look = None if self.novelty is None else partial(_look, self.novelty, now.pose.seeds, code)
-        return closed, State(garments, now, before, state.collision, residual, look)
+        return closed, State(garments, now, before, state.collision, residual, look=look)
 
     def _world(self, now: BodyFrames, posed: Tensor) -> tuple[np.ndarray, np.ndarray]:
         """A garment, shape (V, 3), in the world, as it goes on from and with its seams closed as it is given out."""

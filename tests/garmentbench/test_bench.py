@@ -22,7 +22,7 @@ def test_a_line_for_the_simulators_and_each_method_and_the_last_on_all_cores(tmp
     assert "cores" in said and "float32" in said and said.endswith("sheet-stick-a, smoke")
     names = [re.split(r"\s{2,}", line)[:2] for line in lines]
     assert names == [
-        ["simulator", "1"], ["simulator, XPBD, 10 substeps", "1"], ["skinning", "1"], ["hold", "1"], ["hold", "2"]
+        ["simulator", "1"], ["simulator, XPBD, 16 substeps", "1"], ["skinning", "1"], ["hold", "1"], ["hold", "2"]
     ]  # fmt: skip
     assert "ms a frame" in header and "processor ms" in header and "peak memory [MB]" in header
     assert not list(tmp_path.rglob("*.h5")) and not (tmp_path / "runs").exists()
