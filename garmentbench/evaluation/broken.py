@@ -24,8 +24,8 @@ from jaxtyping import Float
 
 from garmentbench.evaluation.rollout import BROKEN, OK, RollOut
 from garmentbench.geometry.cloth_rest import rest_lengths
-from garmentbench.geometry.mesh import edge_lengths
 from garmentbench.metrics.metric import Motion, has_inside
+from garmentbench.metrics.strain import strain_percentile
 
 STRAIN, TIMES_STRAIN = 1.0, 2.0
 INSIDE = 0.25
@@ -72,9 +72,7 @@ def _rules(motion: Motion) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
 
 
 def _strain(motion: Motion) -> Float[np.ndarray, " frames"]:
-    edges, lengths = rest_lengths(motion.template.garment)
-    edges, lengths = edges[lengths > 0], lengths[lengths > 0]
-    return np.array([np.percentile(np.abs(edge_lengths(g, edges) / lengths - 1), 99) for g in motion.predicted])
+    return strain_percentile(motion.predicted, *rest_lengths(motion.template.garment), 99)
 
 
 def _speed(motion: Motion) -> Float[np.ndarray, " frames"]:

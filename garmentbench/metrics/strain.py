@@ -18,20 +18,31 @@ from garmentbench.geometry.mesh import edge_lengths
 from garmentbench.metrics.metric import Metric, Motion
 
 
-def strain_p95(
+def strain_percentile(
     garment: Float[np.ndarray, "frames vertices 3"],
     edges: Int[np.ndarray, "edges 2"],
     lengths: Float[np.ndarray, " edges"],
-) -> float:
-    """95th percentile of the absolute edge strain [%], mean over frames.
+    q: float,
+) -> Float[np.ndarray, " frames"]:
+    """Percentile `q` of the absolute edge strain in each frame, shape (T,).
 
     Args:
         garment: [m], shape (T, V, 3), finite.
         edges: Pairs of vertices, shape (E, 2).
         lengths: Of the edges without load [m], shape (E,).
+        q: From 0 to 100.
     """
     edges, lengths = edges[lengths > 0], lengths[lengths > 0]
-    return float(100 * np.mean([np.percentile(np.abs(edge_lengths(g, edges) / lengths - 1), 95) for g in garment]))
+    return np.array([np.percentile(np.abs(edge_lengths(g, edges) / lengths - 1), q) for g in garment])
+
+
+def strain_p95(
+    garment: Float[np.ndarray, "frames vertices 3"],
+    edges: Int[np.ndarray, "edges 2"],
+    lengths: Float[np.ndarray, " edges"],
+) -> float:
+    """95th percentile of the absolute edge strain [%], mean over frames; arguments as for `strain_percentile`."""
+    return float(100 * strain_percentile(garment, edges, lengths, 95).mean())
 
 
 def _strain_p95(positions: np.ndarray, motion: Motion) -> float:
