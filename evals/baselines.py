@@ -5,7 +5,7 @@ The T-shirt row of the paper's Table 3 is this experiment.
 """
 
 from garmentbench.evals.comparison import Comparison
-from garmentbench.evals.trial import FULL, SIMPLE, STRONG
+from garmentbench.evals.trial import FULL, SIMPLE, STRONG, TUNED
 
 BASELINES = Comparison(
     name="baselines",
@@ -13,5 +13,5 @@ BASELINES = Comparison(
     title="Main table",
     train=("tshirt-armspace-75",),
     tests=("tshirt-armspace-90",),
-    entries=(*SIMPLE, *STRONG, FULL),
+    entries=(*SIMPLE, *STRONG, TUNED, FULL),
 )

@@ -5,7 +5,7 @@ which moves and turns about the vertical, and nothing but weight and friction ho
 """
 
 from garmentbench.evals.comparison import Comparison
-from garmentbench.evals.trial import FULL, SIMPLE, Entry
+from garmentbench.evals.trial import FULL, SIMPLE, TUNED, Entry
 
 STICK = Comparison(
     name="stick",
@@ -13,7 +13,7 @@ STICK = Comparison(
     title="Sheet and stick",
     train=("sheet-stick-a",),
     tests=("sheet-stick-b",),
-    entries=(*SIMPLE, FULL, *(Entry("motion_guided", v) for v in ("no_virtual_sample", "linear_paths"))),
+    entries=(*SIMPLE, TUNED, FULL, *(Entry("motion_guided", v) for v in ("no_virtual_sample", "linear_paths"))),
 )
 STICK_SWING = Comparison(
     name="stick-swing",
@@ -21,5 +21,5 @@ STICK_SWING = Comparison(
     title=STICK.title,
     train=("laid_sheet-stick-swing-a",),
     tests=("laid_sheet-stick-swing-b",),
-    entries=(*SIMPLE, FULL),
+    entries=(*SIMPLE, TUNED, FULL),
 )

@@ -48,6 +48,7 @@ class Entry:
 
 FULL = Entry("motion_guided")
 SIMPLE = tuple(Entry(m) for m in ("skinning", "hold", "constant_velocity", "linear_subspace"))
+TUNED = Entry("tuned")
 STRONG = tuple(Entry(m) for m in ("static_ridge", "linear_memory", "subspace_network", "pose_gru"))
 
 

@@ -5,7 +5,7 @@ given is the simulated one.
 """
 
 from garmentbench.evals.comparison import Comparison
-from garmentbench.evals.trial import FULL, Entry
+from garmentbench.evals.trial import FULL, TUNED, Entry
 
 GARMENTS = ("bodysuit", "pleated_skirt", "dress", "over_skirt")
 WARDROBE = tuple(
@@ -15,7 +15,7 @@ WARDROBE = tuple(
         title="Wardrobe",
         train=(f"{garment}-armspace-75",),
         tests=(f"{garment}-armspace-90",),
-        entries=(Entry("skinning"), Entry("linear_subspace"), FULL),
+        entries=(Entry("skinning"), Entry("linear_subspace"), TUNED, FULL),
     )
     for garment in GARMENTS
 )

@@ -14,6 +14,7 @@ METHODS = {
     "subspace_network": "garmentbench.methods.baselines.subspace_network:SubspaceNetwork",
     "linear_memory": "garmentbench.methods.baselines.linear_memory:LinearMemory",
     "pose_gru": "garmentbench.methods.baselines.pose_gru:PoseGru",
+    "tuned": "garmentbench.methods.tuned:Tuned",
     "motion_guided": "garmentbench.methods.motion_guided:MotionGuided",
 }
 ENTRY_POINTS = "garmentbench.methods"  # the group by which an installed package offers its methods

@@ -41,6 +41,7 @@ METHODS = (
     "linear_subspace",
     "linear_memory",
     "pose_gru",
+    "tuned",
     "motion_guided@no_collision",
     "motion_guided@push_out",
     "motion_guided",

@@ -15,7 +15,7 @@ from garmentbench.geometry.mesh import laplacian
 from garmentbench.methods.motion_guided.body_surface import BodySurface, Planes
 from garmentbench.methods.motion_guided.canonical import Canonical
 from garmentbench.methods.motion_guided.config import Collision
-from garmentbench.methods.motion_guided.push_out import neighbour_means, pushed_out
+from garmentbench.methods.motion_guided.push_out import PushOut, neighbour_means
 from garmentbench.sequence import Body
 
 ADAM_EPS = 1e-8
@@ -52,7 +52,8 @@ class CollisionStage:
         self.options, self.surface = options, BodySurface(body, canonical.rest)
         self.sampling = sp.csr_matrix(canonical.sampling(options.map_size), dtype=np.float32)
         self.laplacian = sp.csr_matrix(laplacian(canonical.faces, len(canonical.rest)), dtype=np.float32)
-        self.neighbours = neighbour_means(canonical)
+        neighbours = neighbour_means(len(canonical.rest), canonical.faces, canonical.seams)
+        self.push = PushOut(self.surface, neighbours, options.rounds, options.passes, options.clearance)
         self.spreading, self.transposed = (sp.csr_matrix(m.T) for m in (self.sampling, self.laplacian))
 
     def resolve(
@@ -76,16 +77,6 @@ class CollisionStage:
         if self.options.solver == "push":
             return self.push(garment, planes, body), residual
         return self.optimise(garment, directions(), planes, residual)
-
-    def push(self, garment: np.ndarray, planes: Planes, body: np.ndarray) -> np.ndarray:
-        """The garment put outside without an optimiser (option `Collision.solver`)."""
-        o = self.options
-        for k in range(o.passes):
-            garment = garment + pushed_out(planes, garment, self.neighbours, o.rounds, o.clearance)
-            planes = self.surface.planes(garment, body) if k + 1 < o.passes else planes
-            if not (planes.depths(garment) > 0).any():
-                break
-        return garment
 
     def optimise(
         self, garment: np.ndarray, directions: np.ndarray, planes: Planes, residual: Residual

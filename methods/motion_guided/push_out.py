@@ -4,21 +4,22 @@ A vertex's plane is fixed for the frame, so what it lacks is known at once. Only
 was put out is smoothed over the mesh, and what smoothing took back is put out again.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 import scipy.sparse as sp
+from jaxtyping import Float, Int
 
 from garmentbench.geometry.mesh import unique_edges
 from garmentbench.geometry.weld import weld
-from garmentbench.methods.motion_guided.body_surface import Planes
-from garmentbench.methods.motion_guided.canonical import Canonical
+from garmentbench.methods.motion_guided.body_surface import BodySurface, Planes
 
 
-def neighbour_means(canonical: Canonical) -> sp.csr_matrix:
-    """Matrix, shape (V, V), that gives each vertex the mean of its own and its neighbours' values; copies of a point at
-    a seam have the same neighbours."""
-    count = len(canonical.rest)
-    point, points = weld(count, canonical.seams)
-    edges = unique_edges(point[canonical.faces])
+def neighbour_means(count: int, faces: Int[np.ndarray, "faces 3"], seams: Int[np.ndarray, "seams 2"]) -> sp.csr_matrix:
+    """Matrix, shape (V, V), that gives each of `count` vertices the mean of its own and its neighbours' values; copies
+    of a point at a seam have the same neighbours."""
+    point, points = weld(count, seams)
+    edges = unique_edges(point[faces])
     rows, columns = np.concatenate([edges, edges[:, ::-1], np.repeat(np.arange(points)[:, None], 2, axis=1)]).T
     near = sp.csr_matrix((np.ones(len(rows)), (rows, columns)), (points, points))
     copies = sp.csr_matrix((np.ones(count), (point, np.arange(count))), (points, count))
@@ -46,3 +47,31 @@ def pushed_out(
         lacking = np.maximum(depths - np.einsum("vx,vx->v", offset, normals), 0)
         offset += lacking[:, None] * normals
     return offset
+
+
+@dataclass(frozen=True)
+class PushOut:
+    """Puts a garment outside of a body.
+
+    Attributes:
+        surface: Of the body.
+        neighbours: See `neighbour_means`.
+        rounds, passes, clearance: See `config.Collision`.
+    """
+
+    surface: BodySurface
+    neighbours: sp.csr_matrix
+    rounds: int
+    passes: int
+    clearance: float
+
+    def __call__(
+        self, garment: Float[np.ndarray, "vertices 3"], planes: Planes, body: Float[np.ndarray, "body 3"]
+    ) -> Float[np.ndarray, "vertices 3"]:
+        """The garment [m], put before the planes of the body [m] that are nearest to it, and to where it then is."""
+        for k in range(self.passes):
+            garment = garment + pushed_out(planes, garment, self.neighbours, self.rounds, self.clearance)
+            planes = self.surface.planes(garment, body) if k + 1 < self.passes else planes
+            if not (planes.depths(garment) > 0).any():
+                break
+        return garment

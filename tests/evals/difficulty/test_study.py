@@ -70,6 +70,7 @@ def test_what_failed_keeps_its_lines(tmp_path):
     rows = work.rows({key: Failure("not", "run") for key in work.jobs})
     assert {row.method for row in rows} == {
         "reference", "skinning", "static_ridge", "linear_subspace", "linear_memory", "subspace_network", "pose_gru",
+        "tuned",
     }  # fmt: skip
     assert {row.status for row in rows} == {"failed"} and {row.train_scenes for row in rows} == {
         "pleated_skirt@walk-dance"
