@@ -33,7 +33,7 @@ from garmentbench.storage.runs import RunStore
 
 SHARE = 0.1  # of its training steps that a method is given
 AGAIN = 2  # times that what was timed under load is timed again
-XPBD = 16  # substeps a frame of the budgeted simulator; with 10 a laptop T-shirt flies apart
+XPBD = 16  # substeps a frame of the budgeted simulator; with 10 a laptop T-shirt is strained by half
 BLOCK = 5  # neighbouring frames, whose times are alike, are drawn together for the interval
 WARM_UP = 3  # frames
 METHODS = (

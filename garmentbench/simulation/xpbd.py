@@ -10,7 +10,7 @@ import warp as wp
 
 from garmentbench.simulation.assembly import Fabric
 from garmentbench.simulation.cloth import Solver, device_array
-from garmentbench.simulation.contacts.constraints import Constraints, apart, blend, meets, mobility
+from garmentbench.simulation.contacts.constraints import TANGLE, Constraints, apart, blend, meets, mobility
 from garmentbench.simulation.hinge import bent, hinge_angle, hinge_gradient
 from garmentbench.simulation.kernels import Cloth, Contact, Physics, in_air
 
@@ -99,12 +99,14 @@ def push_out(c: Cloth, h: Contact, b: Bends, p: Physics, i: int, since: float):
 @wp.func
 def push_apart(c: Cloth, k: Constraints, b: Bends, p: Physics, j: int, since: float):
     """Push the particles of a contact until it has its gap, and rub them against each other."""
-    depth = float(0.0)
-    if meets(c, k, j, since + p.dt):
-        depth = k.gap[j] - apart(c, k, j, since + p.dt)
     index = k.index[j]
     weight = k.weight[j]
     n = k.normal[j]
+    depth = float(0.0)
+    if k.kind[j] == TANGLE:  # its gap is a speed
+        depth = p.dt * k.gap[j] - wp.dot(blend(c.x, index, weight) - blend(b.before, index, weight), n)
+    elif meets(c, k, j, since + p.dt):
+        depth = k.gap[j] - apart(c, k, j, since + p.dt)
     give = float(0.0)
     for a in range(4):
         give += weight[a] * weight[a] * mobility(c, index[a])
