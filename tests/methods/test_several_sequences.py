@@ -1,5 +1,6 @@
 """A training set is one or more sequences, and nothing crosses from one into the next."""
 
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +15,6 @@ from garmentbench.methods.baselines.code_dynamics import AGO
 from garmentbench.methods.baselines.linear_subspace import LinearSubspace
 from garmentbench.methods.baselines.ridge_dynamics import transitions
 from garmentbench.methods.baselines.rollouts import TrainedDynamics
-from garmentbench.methods.baselines.rollouts import config_for as network_config
 from garmentbench.methods.baselines.subspace import Sizes, recorded
 from garmentbench.methods.motion_guided.canonical import Canonical
 from garmentbench.methods.motion_guided.config import config_for
@@ -47,7 +47,7 @@ def wide(frames, scale=1.05):
 def few_steps(name):
     method = load_method(name)
     if issubclass(method, TrainedDynamics):
-        return network_config("smoke")
+        return sys.modules[method.__module__].config_for("smoke")
     if name != "motion_guided":
         return method.Config()
     config = config_for("smoke")
