@@ -13,15 +13,15 @@ import json
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Self
 
 import numpy as np
 
 from garmentbench.method import BodyFrame, FitRun, History, span
 from garmentbench.methods.baselines import code_dynamics, rollouts
 from garmentbench.methods.baselines.pose_gru import PoseGru
-from garmentbench.methods.motion_guided.body_surface import BodySurface
 from garmentbench.methods.motion_guided.config import Collision
-from garmentbench.methods.motion_guided.push_out import PushOut, neighbour_means
+from garmentbench.methods.motion_guided.push_out import PushOut
 from garmentbench.sequence import OBJECT, Sequence, Template
 from garmentbench.storage.atomic import write_text
 
@@ -62,13 +62,12 @@ class Tuned(PoseGru):
     push_out = True
 
     @classmethod
-    def fit(cls, train: tuple[Sequence, ...], config: Config, run: FitRun) -> "Tuned":
+    def fit(cls, train: tuple[Sequence, ...], config: Config, run: FitRun) -> Self:
         """Train on free roll-outs; a training that was interrupted goes on. Raises `UserError` for short sequences."""
         body = train[0].template.body
         if body is not None and body.kind == OBJECT:
             config = replace(config, offset=config.object_offset)
         method = super().fit(train, config, run)
-        assert isinstance(method, cls)
         method.push_out = config.push_out
         return method
 
@@ -78,37 +77,27 @@ class Tuned(PoseGru):
         write_text(folder / _SETTINGS, json.dumps({"push_out": self.push_out}))
 
     @classmethod
-    def load(cls, folder: Path) -> "Tuned":
+    def load(cls, folder: Path) -> Self:
         """Read them back."""
         method = super().load(folder)
-        assert isinstance(method, cls)
         method.push_out = json.loads((folder / _SETTINGS).read_text())["push_out"]
         return method
 
     def begin(self, template: Template, history: History) -> State:
         """Encode the last two garments."""
-        outside = _outside(template) if self.push_out and template.needs.collision_stage else None
+        g, outside = template.garment, None
+        if self.push_out and template.needs.collision_stage:
+            outside = PushOut.of(g.rest, g.faces, g.seams, template.required_body, Collision())
         return State(**vars(super().begin(template, history)), outside=outside)
 
     def step(self, state: State, body: BodyFrame) -> tuple[np.ndarray, State]:
         """The next code, decoded, carried to the present pose and put outside of the body [m], shape (V, 3)."""
         garment, after = super().step(state, body)
-        assert isinstance(after, State)
         if after.outside is None or body.vertices is None:
             return garment, after
         with span("collide"):
-            planes = after.outside.surface.planes(garment, body.vertices)
-            pushed = garment
-            if np.maximum(planes.depths(garment), 0).sum() > Collision.threshold:
-                pushed = after.outside(garment, planes, body.vertices)
+            pushed = after.outside(garment, body.vertices)
         return pushed, replace(after, before_collision=garment)
-
-
-def _outside(template: Template) -> PushOut:
-    garment, body = template.garment, template.required_body
-    neighbours = neighbour_means(len(garment.rest), garment.faces, garment.seams)
-    surface = BodySurface(body, garment.rest)
-    return PushOut(surface, neighbours, Collision.rounds, Collision.passes, Collision.clearance)
 
 
 def config_for(size: str) -> Config:

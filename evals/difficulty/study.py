@@ -1,4 +1,4 @@
-"""What a scene asks for, for the lively garments: simple methods trained on the varied set, tested on what is new."""
+"""What a scene asks for, for the lively garments: methods trained on the varied set, tested on what is new."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,7 +28,7 @@ TESTS = ("dance-latin-late", "armspace-90", "dance-spin", "dance-bounce", "armsp
 
 @dataclass(frozen=True, kw_only=True)
 class Difficulty(Experiment):
-    """Comparisons of simple methods, one a garment, in one table.
+    """Comparisons of simple methods and `tuned`, one a garment, in one table.
 
     Attributes:
         garments: Which.

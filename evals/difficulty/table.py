@@ -13,7 +13,7 @@ METHODS = ("skinning", STATIC, *DYNAMIC, "tuned")  # the last is seen beside the
 
 
 def difficulty_table(lines: list[Line], title: str) -> Table:
-    """A row a scene: what was measured of it, how simple methods do, and what it is good for."""
+    """A row a scene: what was measured of it, how simple methods and `tuned` do, and what it is good for."""
     scenes = _by_scene(lines)
     demands = {scene: demand(scene, found) for scene, found in scenes.items()}
     chosen, qualify = headline(list(demands.values()))
@@ -86,8 +86,8 @@ def _caption(chosen: list[str], qualify: int) -> str:
         met = "no scene here is long enough"
     return (
         "How much the garment moves in the body's own frame, what another run of the simulator errs by, errors of free "
-        "roll-outs of simple methods that were trained on one set of scenes, and the error of the best codes in the "
-        "same subspace; errors are distances to the reference's first run, from which the roll-outs begin. "
-        f"{rule}; {met}. Scenes of a new kind of motion, or on a new body, test generalisation: there "
+        "roll-outs of simple methods, and of tuned, that were trained on one set of scenes, and the error of the best "
+        "codes in the same subspace; errors are distances to the reference's first run, from which the roll-outs "
+        f"begin. {rule}; {met}. Scenes of a new kind of motion, or on a new body, test generalisation: there "
         "extrapolation of the pose decides."
     )

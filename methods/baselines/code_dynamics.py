@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -24,6 +24,9 @@ class State(Telling):
     skin: Skin
     bodies: np.ndarray | None
     memory: Any
+
+
+AnyState = TypeVar("AnyState", bound=State)
 
 
 class CodeDynamics(ABC):
@@ -53,7 +56,7 @@ class CodeDynamics(ABC):
         _, before, last = self.garment.encode(shapes)
         return State(skin, history.bodies, self.start(last, before, self._seen(skin, history.bodies)))
 
-    def step(self, state: State, body: BodyFrame) -> tuple[np.ndarray, State]:
+    def step(self, state: AnyState, body: BodyFrame) -> tuple[np.ndarray, AnyState]:
         """The next code, decoded and carried to the present pose [m], shape (V, 3)."""
         with span("prepare"):
             maps = state.skin.blend(body.vertices)

@@ -8,7 +8,7 @@ the body's shape, which a few sequences tell apart, for their motion.
 from abc import abstractmethod
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import torch
@@ -108,7 +108,7 @@ class TrainedDynamics(CodeDynamics):
         self.net = net
 
     @classmethod
-    def fit(cls, train: tuple[Sequence, ...], config: Config, run: FitRun) -> "TrainedDynamics":
+    def fit(cls, train: tuple[Sequence, ...], config: Config, run: FitRun) -> Self:
         """Train on free roll-outs; a training that was interrupted goes on. Raises `UserError` for short sequences."""
         known = Encoded.of(train, config, AGO)
         net = fit_net(cls.Net, known.recordings, config, run, cls.name)
@@ -122,7 +122,7 @@ class TrainedDynamics(CodeDynamics):
         save(_file(folder), self.garment, self.body, self.novelty, **further)
 
     @classmethod
-    def load(cls, folder: Path) -> "TrainedDynamics":
+    def load(cls, folder: Path) -> Self:
         """Read them back."""
         arrays = load(_file(folder))
         state = {k.removeprefix("net."): torch.from_numpy(arrays.pop(k)) for k in list(arrays) if k.startswith("net.")}

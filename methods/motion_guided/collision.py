@@ -12,10 +12,10 @@ import numpy as np
 import scipy.sparse as sp
 
 from garmentbench.geometry.mesh import laplacian
-from garmentbench.methods.motion_guided.body_surface import BodySurface, Planes
+from garmentbench.methods.motion_guided.body_surface import Planes
 from garmentbench.methods.motion_guided.canonical import Canonical
 from garmentbench.methods.motion_guided.config import Collision
-from garmentbench.methods.motion_guided.push_out import PushOut, neighbour_means
+from garmentbench.methods.motion_guided.push_out import PushOut
 from garmentbench.sequence import Body
 
 ADAM_EPS = 1e-8
@@ -49,11 +49,11 @@ class CollisionStage:
     """The stage for one garment and one body mesh."""
 
     def __init__(self, canonical: Canonical, body: Body, options: Collision) -> None:
-        self.options, self.surface = options, BodySurface(body, canonical.rest)
+        self.options = options
+        self.push = PushOut.of(canonical.rest, canonical.faces, canonical.seams, body, options)
+        self.surface = self.push.surface
         self.sampling = sp.csr_matrix(canonical.sampling(options.map_size), dtype=np.float32)
         self.laplacian = sp.csr_matrix(laplacian(canonical.faces, len(canonical.rest)), dtype=np.float32)
-        neighbours = neighbour_means(len(canonical.rest), canonical.faces, canonical.seams)
-        self.push = PushOut(self.surface, neighbours, options.rounds, options.passes, options.clearance)
         self.spreading, self.transposed = (sp.csr_matrix(m.T) for m in (self.sampling, self.laplacian))
 
     def resolve(
@@ -75,7 +75,7 @@ class CollisionStage:
         if not self.options.carry:
             residual = Residual.none(self.options.map_size)
         if self.options.solver == "push":
-            return self.push(garment, planes, body), residual
+            return self.push(garment, body, planes), residual
         return self.optimise(garment, directions(), planes, residual)
 
     def optimise(

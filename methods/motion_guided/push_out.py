@@ -13,6 +13,8 @@ from jaxtyping import Float, Int
 from garmentbench.geometry.mesh import unique_edges
 from garmentbench.geometry.weld import weld
 from garmentbench.methods.motion_guided.body_surface import BodySurface, Planes
+from garmentbench.methods.motion_guided.config import Collision
+from garmentbench.sequence import Body
 
 
 def neighbour_means(count: int, faces: Int[np.ndarray, "faces 3"], seams: Int[np.ndarray, "seams 2"]) -> sp.csr_matrix:
@@ -56,22 +58,38 @@ class PushOut:
     Attributes:
         surface: Of the body.
         neighbours: See `neighbour_means`.
-        rounds, passes, clearance: See `config.Collision`.
+        options: `rounds`, `passes` and `clearance` count.
     """
 
     surface: BodySurface
     neighbours: sp.csr_matrix
-    rounds: int
-    passes: int
-    clearance: float
+    options: Collision
+
+    @classmethod
+    def of(
+        cls,
+        rest: Float[np.ndarray, "vertices 3"],
+        faces: Int[np.ndarray, "faces 3"],
+        seams: Int[np.ndarray, "seams 2"],
+        body: Body,
+        options: Collision,
+    ) -> "PushOut":
+        """For a garment of rest shape `rest` [m], whose `seams` are pairs of copies of a point."""
+        return cls(BodySurface(body, rest), neighbour_means(len(rest), faces, seams), options)
 
     def __call__(
-        self, garment: Float[np.ndarray, "vertices 3"], planes: Planes, body: Float[np.ndarray, "body 3"]
+        self,
+        garment: Float[np.ndarray, "vertices 3"],
+        body: Float[np.ndarray, "body 3"],
+        planes: Planes | None = None,
     ) -> Float[np.ndarray, "vertices 3"]:
-        """The garment [m], put before the planes of the body [m] that are nearest to it, and to where it then is."""
-        for k in range(self.passes):
-            garment = garment + pushed_out(planes, garment, self.neighbours, self.rounds, self.clearance)
-            planes = self.surface.planes(garment, body) if k + 1 < self.passes else planes
+        """The garment [m], put before the planes of the body [m] that are nearest to it, and to where it then is; the
+        array itself where all of it is before them. planes: The nearest ones, where they are known."""
+        o = self.options
+        for k in range(o.passes):
+            if planes is None or k > 0:
+                planes = self.surface.planes(garment, body)
             if not (planes.depths(garment) > 0).any():
                 break
+            garment = garment + pushed_out(planes, garment, self.neighbours, o.rounds, o.clearance)
         return garment

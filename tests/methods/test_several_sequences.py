@@ -1,6 +1,5 @@
 """A training set is one or more sequences, and nothing crosses from one into the next."""
 
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +13,6 @@ from garmentbench.methods import METHODS, load_method
 from garmentbench.methods.baselines.code_dynamics import AGO
 from garmentbench.methods.baselines.linear_subspace import LinearSubspace
 from garmentbench.methods.baselines.ridge_dynamics import transitions
-from garmentbench.methods.baselines.rollouts import TrainedDynamics
 from garmentbench.methods.baselines.subspace import Sizes, recorded
 from garmentbench.methods.motion_guided.canonical import Canonical
 from garmentbench.methods.motion_guided.config import config_for
@@ -22,6 +20,8 @@ from garmentbench.methods.motion_guided.generative import GenerativeModel
 from garmentbench.methods.motion_guided.samples import Recorded
 from garmentbench.methods.motion_guided.stage1 import training_frames
 from garmentbench.metrics.l2 import l2
+from garmentbench.pipeline.choice import choose_method
+from garmentbench.scenes.presets import preset
 from garmentbench.storage.runs import RunStore
 
 CUT = 40
@@ -45,12 +45,9 @@ def wide(frames, scale=1.05):
 
 
 def few_steps(name):
-    method = load_method(name)
-    if issubclass(method, TrainedDynamics):
-        return sys.modules[method.__module__].config_for("smoke")
+    config = choose_method(name, "full", preset("smoke")).config
     if name != "motion_guided":
-        return method.Config()
-    config = config_for("smoke")
+        return config
     stages = {s: getattr(config, s) for s in ("sdf", "stage1", "stage2")}
     return replace(config, **{s: replace(o, training=replace(o.training, steps=3)) for s, o in stages.items()})
 
