@@ -51,7 +51,7 @@ bench: $(BIN)/.installed
 	$(RUN) bench --preset $(PRESET)
 
 # One ablation and the full model beside it: make ablation-fixed-weights, -no-virtual-sample, -no-velocity, -no-force,
-# -pose-only, -no-collision, -push-out, -linear-paths, -train-length.
+# -pose-only, -no-collision, -push-out, -linear-paths, -train-length; -tuned has no full model beside it, but its own.
 ablation-%: $(BIN)/.installed
 	$(RUN) evals ablation-$* --preset $(PRESET) --seeds $(SEEDS)
 

@@ -3,7 +3,7 @@
 One file or folder each, with what it computes, its table and its pictures.
 """
 
-from garmentbench.evals.ablations import ABLATIONS, TRAINING_LENGTHS
+from garmentbench.evals.ablations import ABLATIONS, TRAINING_LENGTHS, TUNED_PARTS
 from garmentbench.evals.baselines import BASELINES
 from garmentbench.evals.contact_sheets.study import SHEETS
 from garmentbench.evals.convergence.study import STUDY as CONVERGENCE
@@ -16,6 +16,7 @@ from garmentbench.evals.left_out import LEAVING_OUT
 from garmentbench.evals.motions.study import STUDY as MOTIONS
 from garmentbench.evals.stability import STABILITY
 from garmentbench.evals.stick import STICK, STICK_SWING
+from garmentbench.evals.training_data.study import STUDY as TRAINING_DATA
 from garmentbench.evals.validation.study import STUDY as VALIDATION
 from garmentbench.evals.wardrobe import WARDROBE
 
@@ -29,6 +30,8 @@ EXPERIMENTS: dict[str, Experiment] = {
         *ABLATIONS,
         *WARDROBE,
         TRAINING_LENGTHS,
+        TUNED_PARTS,
+        TRAINING_DATA,
         STABILITY,
         SHEETS,
         MOTIONS,
