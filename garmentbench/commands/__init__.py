@@ -12,7 +12,7 @@ from garmentbench.commands.card import Card
 from garmentbench.commands.check import Check
 from garmentbench.commands.fabrics import Fabrics
 from garmentbench.commands.meshes import Export, Import
-from garmentbench.commands.methods import CheckMethod, Evaluate, Methods, Train
+from garmentbench.commands.methods import CheckMethod, Checkpoint, Evaluate, Methods, Train
 from garmentbench.commands.motions import ImportMotion
 from garmentbench.commands.results import Evals, Report, Runs, View
 from garmentbench.commands.scenes import Scenes
@@ -42,6 +42,7 @@ COMMANDS: dict[str, type[Command]] = {
     "check-method": CheckMethod,
     "train": Train,
     "evaluate": Evaluate,
+    "checkpoint": Checkpoint,
     "evals": Evals,
     "bench": Bench,
     "runs": Runs,

@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from tyro.conf import Positional, UseAppendAction
@@ -110,9 +111,11 @@ class Evaluate:
 
     Example: garmentbench evaluate skinning --scene tshirt-armspace-90 --preset smoke
     Example: garmentbench evaluate my_module:MyMethod --train-scene tshirt-armspace-75 --train-scene tshirt-dance-latin
+    Example: garmentbench evaluate checkpoints/tshirt-motion_guided
 
     Attributes:
-        method: A method's name, module:Class, or the id of a training's run (train-...), evaluated as it is.
+        method: A method's name, module:Class, or what is evaluated as it is: the id of a training's run (train-...), or
+            the folder of a checkpoint.
         train_scene: Scene that it was, or will be, trained on, a sequence file (.h5) or a training set, GARMENT@SET.
             Several of the same garment may be given, each with --train-scene. If none is: the first training scene of
             the garment in --scene.
@@ -140,6 +143,7 @@ class Evaluate:
     def run(self) -> None:
         from garmentbench.evaluation.results import warnings
         from garmentbench.evaluation.rollout import FAILED, OK
+        from garmentbench.pipeline.checkpoint import is_checkpoint, read_checkpoint
         from garmentbench.pipeline.choice import default_training_scene, load_method
         from garmentbench.pipeline.evaluate import evaluate
         from garmentbench.pipeline.same_meshes import OtherGarmentError
@@ -151,6 +155,8 @@ class Evaluate:
         training, lengths = _training(self.train_scene)
         if self.method.startswith("train-"):
             trained = RunStore().get(self.method)
+        elif is_checkpoint(self.method):
+            trained = read_checkpoint(Path(self.method), RunStore())
         else:
             training = training or [default_training_scene(load_method(self.method), source)]
             trained = _trained(self, size, training, lengths)
@@ -169,6 +175,47 @@ class Evaluate:
             if status == FAILED:
                 raise UserError(said)
             print(f"garmentbench: {said}", file=sys.stderr)
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """Write a trained method as a folder to give away: its numbers as safetensors, config.json, and a card (README.md).
+
+    `garmentbench evaluate FOLDER` evaluates it anywhere. The card has what it was trained on, what that cost, and its
+    errors on the scenes given, of the folder as it is read back.
+
+    Example: garmentbench checkpoint train-1f00c0ffee12 checkpoints/my-skirt --scene pleated_skirt-armspace-90
+
+    Attributes:
+        trained: Id of a finished training (train-...).
+        folder: To write; a checkpoint that is there is replaced.
+        scene: Scene to evaluate it on, for its card. Several may be given, each with --scene.
+        half: Keep the large arrays with 16 bits a number: half the size.
+        preset: Size of the scenes: smoke, laptop, desktop or paper.
+    """
+
+    trained: Positional[str]
+    folder: Positional[Path]
+    scene: Repeated = ()
+    half: bool = False
+    preset: str = "laptop"
+
+    def run(self) -> None:
+        from garmentbench.device import one_thread
+        from garmentbench.pipeline.checkpoint import read_checkpoint, write_card, write_checkpoint
+        from garmentbench.pipeline.evaluate import evaluate
+        from garmentbench.reference import resolve_source
+        from garmentbench.scenes.presets import preset
+        from garmentbench.storage.runs import RunStore
+
+        one_thread()
+        store, size = RunStore(), preset(self.preset)
+        sources = [resolve_source(name) for name in self.scene]
+        write_checkpoint(store.get(self.trained), self.folder, self.half)
+        kept = read_checkpoint(self.folder, store)
+        runs = [(source.name, evaluate(kept, source, size, store)) for source in sources]
+        write_card(self.folder, [(name, row) for name, run in runs for row in run.results["rows"]])
+        print(f"{self.folder}: {kept.id} when it is read back")
 
 
 def _ready(options: Train | Evaluate) -> "Preset":
