@@ -12,7 +12,7 @@ from garmentbench.evals.data import CARDS
 from garmentbench.evals.difficulty.study import STUDY as DIFFICULTY
 from garmentbench.evals.experiment import Companion, Experiment
 from garmentbench.evals.fabrics.study import STUDY as FABRICS
-from garmentbench.evals.left_out import LEAVING_OUT
+from garmentbench.evals.left_out.study import LEAVING_OUT, LEAVING_OUT_WHOLE
 from garmentbench.evals.motions.study import STUDY as MOTIONS
 from garmentbench.evals.stability import STABILITY
 from garmentbench.evals.stick import STICK, STICK_SWING
@@ -40,6 +40,7 @@ EXPERIMENTS: dict[str, Experiment] = {
         CONVERGENCE,
         CROSSCHECK,
         LEAVING_OUT,
+        LEAVING_OUT_WHOLE,
         CARDS,
     )
 }

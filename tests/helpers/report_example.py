@@ -61,7 +61,8 @@ def write_example(root: Path, frames: int = 160) -> None:
     rows += [
         row("left_out", STICK, "motion_guided", "full", 0, "left_out:collision_stage", FRAMES, 21.5, "ms"),
         row("left_out", STICK, "motion_guided", "full", 0, "left_out:collision_stage", FRAMES, 1.25, "MB"),
-        row("left_out", STICK, "motion_guided", "full", 0, "left_out:body_sdf", FRAMES, 1840000, "parameters"),
+        row("left_out", STICK, "motion_guided", "full", 0, "left_out:sdf", FRAMES, 1840000, "parameters"),
+        row("left_out", STICK, "reference", "full", 0, "left_out:self_contact", FRAMES, 0.25, "cm", spread=0.5),
     ]
     rows += map(vars, card_rows(card_of(replace(walk, info=SIMULATED))))
     write_results(root / "reports" / "laptop" / "results.csv", rows)

@@ -138,8 +138,9 @@ def test_the_stress_ladder_has_the_simulator_and_says_how_each_case_ended(folder
 
 def test_left_out_in_one_line_a_part(folder):
     text = (folder / "tables" / "left_out.md").read_text()
-    assert "| sheet-stick-b | body sdf | – | – | 1,840,000 |" in text
-    assert "| sheet-stick-b | collision stage | 21.5 | 1.25 | – |" in text
+    assert "| sheet-stick-b | sdf | – | – | – | – | 1,840,000 | – | – |" in text
+    assert "| sheet-stick-b | collision stage | – | – | 21.5 | 1.25 | – | – | – |" in text
+    assert "| sheet-stick-b | self contact |" in text and "| 0.25 (0.50) |" in text  # what a push makes of it
 
 
 def test_the_three_forms_of_a_table_say_the_same(folder):
