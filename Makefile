@@ -7,7 +7,7 @@ BIN := .venv/bin
 export GARMENTBENCH_HOME := $(CURDIR)
 RUN := $(BIN)/garmentbench
 
-.PHONY: evals bench test lint report data validation fabrics difficulty convergence crosscheck clean
+.PHONY: evals evals-full bench test lint report data validation fabrics difficulty convergence crosscheck clean
 evals: $(BIN)/.installed
 	$(RUN) evals --preset $(PRESET) --seeds $(SEEDS)
 
@@ -38,6 +38,10 @@ fabrics: $(BIN)/.installed
 # What each scene asks for: pose alone, dynamics, or more than can be foretold (tens of minutes).
 difficulty: $(BIN)/.installed
 	$(RUN) evals difficulty --preset $(PRESET)
+
+# Every headline scene, each part built and left out, with trainings both ways (hours).
+evals-full: $(BIN)/.installed
+	$(RUN) evals left-out-whole --preset $(PRESET) --seeds $(SEEDS)
 
 convergence: $(BIN)/.installed
 	$(RUN) evals convergence --preset $(PRESET)

@@ -6,6 +6,7 @@ alone is `Template.needs`, which all that runs asks; this is that, and what only
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float
@@ -124,7 +125,7 @@ def _of_motion(scene: Scene, template: Template, preset: Preset) -> list[Part]:
     positions, skin = animation.positions[animation.warm_up :], animation.body
     distance, _ = nearest_vertices(skin.rest, template.garment.rest)
     near = positions[:, distance < REACH]
-    step = max((float(np.linalg.norm(b - a, axis=1).max()) for a, b in zip(near, near[1:], strict=False)), default=0.0)
+    step = max((float(np.linalg.norm(b - a, axis=1).max()) for a, b in pairwise(near)), default=0.0)
     queries = least_queries(step, scene.material.thickness)
     has = scene.simulation.queries
     turn = turned(skin.rest, positions)
@@ -133,7 +134,8 @@ def _of_motion(scene: Scene, template: Template, preset: Preset) -> list[Part]:
             "all_queries",
             queries >= has,
             f"the body near the garment moves {1e3 * step:.0f} mm a frame at most, and cloth is "
-            f"{1e3 * scene.material.thickness:.0f} mm thick: to move less than that between two takes {queries} queries, and there are {has}",
+            f"{1e3 * scene.material.thickness:.0f} mm thick: to move less than that between two takes "
+            f"{queries} queries, and there are {has}",
             queries,
         ),
         Part("heading_axes", turn > TURNS, f"what it is on heads within {turn:.0f} degrees", turn),

@@ -14,7 +14,7 @@ from garmentbench.scenes.garments import garment_names, scene_garment
 from garmentbench.scenes.presets import MESH_SIZES, MeshSize, Preset
 from garmentbench.scenes.scene import Scene
 from garmentbench.scenes.wardrobe import load_scene, scene_file, wardrobe
-from garmentbench.sequence import Needs, Sequence, Template
+from garmentbench.sequence import Sequence, Template
 from garmentbench.sequence_file.layout import KIND, REMAKE, SCHEMA
 from garmentbench.storage import hdf5, lock
 from garmentbench.storage.fingerprint import content_hash, fingerprint
@@ -172,11 +172,6 @@ def scene_template(scene: Scene, mesh: MeshSize) -> Template:
     else:
         body = stick() if scene.body == STICK else load_body(scene.body, mesh.body_size).body
     return Template(scene_garment(scene, mesh), body, scene.fps)
-
-
-def scene_needs(scene: Scene, mesh: MeshSize) -> Needs:
-    """What a scene needs. Raises as `scene_template`."""
-    return scene_template(scene, mesh).needs
 
 
 def _is_made_from(path: Path, identity: str, runs: int) -> bool:

@@ -1,6 +1,6 @@
 """What each part costs a model and its evaluation: built and left out, in turn.
 
-Models are trained for a hundredth of their steps and rolled out over a few frames: sizes and times don't depend on what
+Models are trained for a fiftieth of their steps and rolled out over a few frames: sizes and times don't depend on what
 was learnt. Two such trainings, of other lengths, give the seconds of a whole one.
 """
 
@@ -26,7 +26,7 @@ from garmentbench.storage.runs import RunStore
 
 PREFIX = "left_out:"  # a metric's name is this and the part's
 FRAMES = 40
-SHARES = (1 / 100, 1 / 25)  # of a training
+SHARES = (1 / 200, 1 / 50)  # of a training
 TOUCHED = {  # what a part can change; the rest is the same network, or the same time, twice
     "interaction_force": ("ms", "MB", "parameters", "s"),
     "velocity": ("ms", "s"),
@@ -49,9 +49,9 @@ class Cost:
     s: float
 
 
-def row(part: str, value: float, unit: str, **columns: float) -> Row:
+def row(part: str, value: float, unit: str, spread: float | None = None) -> Row:
     """A measured number of a part."""
-    return Row(metric=f"{PREFIX}{part}", value=float(value), unit=unit, **columns)
+    return Row(metric=f"{PREFIX}{part}", value=float(value), unit=unit, spread=spread)
 
 
 def cost_rows(path: Path, parts: tuple[Part, ...], preset: Preset) -> list[Row]:

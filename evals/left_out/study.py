@@ -64,8 +64,12 @@ class LeftOut(Experiment):
             ours = tuple(Entry(OtherwiseMotionGuided, variant) for variant in ("full", *variants))
             tuned = tuple(Entry("tuned", variant) for variant in TUNED_PARTS)
             for tests, entries in (((case.scene,), ours), ((case.scene, case.validation), tuned)):
-                columns = {"name": self.name, "table": self.table, "title": self.title}
-                found.append(Comparison(**columns, train=(case.train,), tests=tests, entries=entries))
+                train = (case.train,)
+                found.append(
+                    Comparison(
+                        name=self.name, table=self.table, title=self.title, train=train, tests=tests, entries=entries
+                    )
+                )
         return found
 
     def work(self, preset: Preset, seeds: int) -> Work:

@@ -16,8 +16,8 @@ ERROR = "rollout_l2"
 CAPTION = (
     "What a scene does not need is not built for it. Saved: with the part less without it, negative where leaving it "
     "out costs time. Errors are those of free roll-outs [cm]; for parts of the simulator the difference is how far the "
-    "cloth is from where it was, over 60 frames, and ± stands for nothing there: what a push of 1 mm makes of it is in "
-    "brackets. Lines of tuned are at the end, on the scene and on one for validation. "
+    "cloth is from where it was, on average over 60 frames, and in brackets how far a push of 1 mm moves it. "
+    "Lines of tuned are at the end, on the scene and on one for validation. "
 )
 
 

@@ -51,10 +51,8 @@ class Scenes:
 
 
 def _show(scene: "Scene") -> None:
-    from dataclasses import asdict
-
-    from garmentbench.reference import scene_needs
-    from garmentbench.scenes.presets import MESH_SIZES
+    from garmentbench.needs import scene_parts
+    from garmentbench.scenes.presets import PRESETS
 
     for key, value in vars(scene).items():
         if value is None:
@@ -65,9 +63,11 @@ def _show(scene: "Scene") -> None:
             value = _changed(value)
         if value:
             print(f"{key}: {value}")
-    needs = asdict(scene_needs(scene, MESH_SIZES["smoke"]))  # which size does not matter
-    print("needs: " + (", ".join(k for k, v in needs.items() if v) or "nothing besides the garment"))
-    print("left out: " + (", ".join(k for k, v in needs.items() if not v) or "nothing"))
+    parts = scene_parts(scene, PRESETS["smoke"])  # the quickest to look at
+    print("needs: " + (", ".join(part.name for part in parts if part.needed) or "nothing besides the garment"))
+    for part in parts:
+        if not part.needed:
+            print(f"left out: {part.name}: {part.because}")
     for line in _simulated(scene):
         print(line)
 

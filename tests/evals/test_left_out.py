@@ -91,7 +91,7 @@ def test_seeds_on_the_whole_body_are_more_and_farther():
     near, everywhere = select_seeds(template, 40), seeds_everywhere(template, 40)
     top = template.garment.rest[:, 2].max() + 0.3
     assert len(near.rest) == 40 and near.rest[:, 2].max() < top
-    assert len(everywhere.rest) > 100 and everywhere.rest[:, 2].max() > top
+    assert len(everywhere.rest) > 80 and everywhere.rest[:, 2].max() > top
 
 
 def test_only_trainings_that_nothing_else_tells_apart_are_marked():
@@ -110,7 +110,7 @@ def test_the_whole_is_on_request_and_asks_for_both_ways():
     assert {"full", "no_interaction_force", "with_sdf", "with_collision_stage", "with_part_radii"} <= variants
 
 
-def test_the_table_pairs_seeds_and_names_what_changes_nothing(tmp_path):
+def test_the_table_pairs_seeds_and_names_what_changes_nothing(tmp_path, monkeypatch):
     """Errors 1.0, 1.2, 1.1 with and 1.1, 1.3, 1.2 without: +0.1 in each, so the interval is nothing."""
     columns = {"preset": "smoke", "experiment": "x", "scene": "a", "split": "test", "run_id": "", "spread": np.nan}
     about = {"method": OtherwiseMotionGuided.name, "metric": "rollout_l2", "horizon": 40, "unit": "cm"}
@@ -127,7 +127,7 @@ def test_the_table_pairs_seeds_and_names_what_changes_nothing(tmp_path):
         {"name": "velocity", "needed": True, "because": "w"},
         {"name": "self_contact", "needed": True, "because": "w"},
     ]
-    results.record = lambda run: {"results": {"parts": kept}}
+    monkeypatch.setattr(results, "record", lambda run: {"results": {"parts": kept}})
     made = table.left_out_table("x", "t", results)
     velocity, contact = ([cell.text for cell in row] for row in made.rows)
     assert velocity[:5] == ["a", "velocity", "yes", "w", "2.00"] and velocity[-3:] == ["1.10", "1.20", "0.10 ± < 0.01"]

@@ -208,8 +208,9 @@ def test_scenes_lists_and_shows_what_is_left_out(capsys):
     code, out, _ = typed(capsys, "scenes", "sheet-stick-a")
     assert (
         code == 0
-        and "left out: body, part_radii, interpenetration, collision_stage" in out
-        and "needs: interaction_force, pins" in out
+        and "left out: part_radii: an object has no parts\n" in out
+        and "left out: layers: one garment\n" in out
+        and "needs: interaction_force, velocity, pins, self_contact" in out
     )
 
 
