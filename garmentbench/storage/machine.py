@@ -57,7 +57,8 @@ def code_version() -> str:
     checkout = PACKAGE.parent
     if not (checkout / ".git").exists():  # installed, perhaps below somebody else's repository
         return garmentbench.__version__
-    git = ["git", "-C", str(checkout), "describe", "--always", "--dirty", "--exclude=*"]
+    # Without locks: a `describe --dirty` that is killed at the time limit would leave one, and nobody could commit.
+    git = ["git", "--no-optional-locks", "-C", str(checkout), "describe", "--always", "--dirty", "--exclude=*"]
     try:
         commit = subprocess.run(git, capture_output=True, text=True, check=True, timeout=10).stdout.strip()
     except (OSError, subprocess.SubprocessError):  # no git
