@@ -11,6 +11,10 @@ RUN := $(BIN)/garmentbench
 evals: $(BIN)/.installed
 	$(RUN) evals --preset $(PRESET) --seeds $(SEEDS)
 
+# Every rung of the stress ladder from ten starts (hours), of which `make evals` climbs eight from three. Resumes.
+evals-full: $(BIN)/.installed
+	$(RUN) evals stability-whole --preset $(PRESET)
+
 test: $(BIN)/.installed-test
 	$(BIN)/python -m pytest
 

@@ -14,7 +14,8 @@ from garmentbench.evals.experiment import Companion, Experiment
 from garmentbench.evals.fabrics.study import STUDY as FABRICS
 from garmentbench.evals.left_out.study import LEAVING_OUT, LEAVING_OUT_WHOLE
 from garmentbench.evals.motions.study import STUDY as MOTIONS
-from garmentbench.evals.stability import STABILITY
+from garmentbench.evals.stability.study import STABILITY
+from garmentbench.evals.stability.study import WHOLE as WHOLE_LADDER
 from garmentbench.evals.stick import STICK, STICK_SWING
 from garmentbench.evals.training_data.study import STUDY as TRAINING_DATA
 from garmentbench.evals.validation.study import STUDY as VALIDATION
@@ -33,6 +34,7 @@ EXPERIMENTS: dict[str, Experiment] = {
         TUNED_PARTS,
         TRAINING_DATA,
         STABILITY,
+        WHOLE_LADDER,
         SHEETS,
         MOTIONS,
         VALIDATION,

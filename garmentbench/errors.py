@@ -46,7 +46,7 @@ def unknown_name(kind: str, name: str, known: Iterable[str], where: str = "") ->
 
     >>> print(unknown_name("scene", "tshirt-armspce-90", ["sheet-stick-a", "tshirt-armspace-90"]))
     unknown scene 'tshirt-armspce-90': did you mean 'tshirt-armspace-90'? Known: tshirt-armspace-90, sheet-stick-a
-    >>> print(unknown_name("scene", "nonsense", ["sheet-stick-a", "stress-heavy"]))
+    >>> print(unknown_name("scene", "nonsense", ["sheet-stick-a", "tshirt-still"]))
     unknown scene 'nonsense'; `garmentbench scenes` lists all
     """
     known = sorted({*known} - {name})  # nothing is suggested for itself

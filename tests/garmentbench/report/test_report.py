@@ -126,14 +126,13 @@ def test_training_lengths_stand_in_their_order_beside_table_4(folder):
     assert "| 1.84 |" in rows[0] and "| 0.84 |" in rows[1]
 
 
-def test_the_stress_ladder_has_the_simulator_and_says_how_each_case_ended(folder):
+def test_the_stress_ladder_says_who_passes_what_and_where_it_breaks_first(folder):
     text = (folder / "tables" / "stability.md").read_text()
-    assert "| no stress | reference (simulator) | ok |" in text
-    assert "| stiff-1000 | reference (simulator) | diverged at frame 11 |" in text
-    skinning = next(
-        line for line in text.splitlines() if "| stiff-1000 | skinning | diverged at frame 60 | diverged |" in line
-    )
-    assert skinning.endswith("| 57 |")  # frames that were stable
+    assert "| no stress | simulator | 3 of 3 | 44 to 100 | – | – | 4.50 |" in text
+    assert "| stretch × 100 | simulator | 1 of 3 | 6 to 79 | 11 | strain | 4.50 |" in text
+    verdicts = (folder / "tables" / "stability-verdicts.md").read_text()
+    said = "Passes 1 of 2 rungs (4 of 6 starts). It does not pass: stretch × 100 (2 of 3, strain at frame 11)."
+    assert f"| simulator | {said} |" in verdicts
 
 
 def test_left_out_in_one_line_a_part(folder):
