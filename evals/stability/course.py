@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from garmentbench.motion.timing import WARM_UP
 from garmentbench.scenes.fabrics import resolved
 from garmentbench.scenes.presets import Preset
 from garmentbench.scenes.scene import FPS, Scene
@@ -63,6 +64,15 @@ class Course:
         return preset.mesh.limited(round(self.seconds * self.fps))
 
     @property
+    def warm_up(self) -> int:
+        """Frames before frame 0."""
+        return round(WARM_UP * self.fps / FPS)
+
+    def steps(self, preset: Preset) -> int:
+        """Frames that a simulator has to make."""
+        return self.warm_up + self.frames(preset) - 1
+
+    @property
     def rest_from(self) -> int | None:
         """The frame from which the body comes to rest, or None."""
         return round(EVENT * self.fps / FPS) if self.freeze or self.event == "stop" else None
@@ -85,9 +95,9 @@ class Course:
         settings = replace(plain.simulation, queries=queries)
         return replace(plain, body=self.body, motion=motion, material=cloth, simulation=settings)
 
-    def pushed(self, start: int, warm_up: int) -> Push:
-        """The push of a start, of a simulation that begins with `warm_up` frames."""
-        return Push(warm_up, self.push, start)
+    def pushed(self, start: int) -> Push:
+        """The push of a start."""
+        return Push(self.warm_up, self.push, start)
 
     def at_30(self, frames: int) -> int:
         """How many frames at 30 a second show what so many of its own do."""

@@ -52,7 +52,7 @@ def course_runs(course: Course, starts: int, preset: Preset) -> list[str] | Reus
             ids, reused = [*ids, run.id], reused and run.reused
             if not run.finished:
                 quiet_warp()
-                with track(course.frames(preset), f"start {start + 1} of {starts}") as tick:
+                with track(course.steps(preset), f"start {start + 1} of {starts}") as tick:
                     garment = simulated(course, start, preset, _device(), tick=tick)
                 with written_whole(run.folder / POSITIONS) as partial, partial.open("wb") as file:
                     np.save(file, garment)

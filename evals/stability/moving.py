@@ -22,7 +22,7 @@ def animated(course: Course, start: int, preset: Preset) -> Animation:
     scene, frames = course.scene(start), course.frames(preset)
     shown = _shown(course, scene, preset.mesh.body_size, course.at_30(frames))
     if course.fps != FPS:
-        shown = resampled(shown, course.fps, frames)
+        shown = resampled(shown, course, frames)
     return replace(shown, positions=happened(course, shown.positions, shown.warm_up))
 
 
@@ -41,20 +41,18 @@ def _shown(course: Course, scene: Scene, size: str, frames: int) -> Animation:
     return Animation(body, base + course.beyond * (shown.positions - base), shown.warm_up)
 
 
-def resampled(shown: Animation, fps: float, frames: int) -> Animation:
-    """The same motion at another frame rate: a cubic spline through each vertex's places at 30 frames a second.
+def resampled(shown: Animation, course: Course, frames: int) -> Animation:
+    """The same motion at the course's frame rate: a cubic spline through each vertex's places at 30 frames a second.
 
     Args:
         shown: At 30 frames a second.
-        fps: Frames a second that are wanted.
+        course: Says how many frames a second.
         frames: So many after the warm-up.
     """
-    warm_up = round(shown.warm_up * fps / FPS)
-    at = np.arange(warm_up + frames) * FPS / fps
-    if float(FPS / fps).is_integer():
-        return replace(shown, positions=shown.positions[at.astype(int)], warm_up=warm_up)
-    spline = CubicSpline(np.arange(len(shown.positions)), shown.positions)
-    return replace(shown, positions=spline(np.minimum(at, len(shown.positions) - 1)), warm_up=warm_up)
+    at = np.arange(course.warm_up + frames) * FPS / course.fps
+    known = np.arange(len(shown.positions))
+    positions = CubicSpline(known, shown.positions)(np.minimum(at, known[-1]))
+    return replace(shown, positions=positions, warm_up=course.warm_up)
 
 
 def happened(course: Course, positions: np.ndarray, warm_up: int) -> np.ndarray:

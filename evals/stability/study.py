@@ -59,7 +59,7 @@ class Ladder(Experiment):
         for rung in self.rungs:
             for course in _courses(rung):
                 job = self._course_job(course, rung, preset)
-                jobs[job.key] = job
+                jobs.setdefault(job.key, job)  # named after the first rung that has it
             jobs |= {job.key: job for job in self._line_jobs(rung, trials, preset)}
 
         def rows(results: dict) -> list[Row]:
@@ -72,7 +72,7 @@ class Ladder(Experiment):
 
     def _course_job(self, course: Course, rung: Rung, preset: Preset) -> Job:
         count = self._count(rung)
-        cost = FRAME_SECONDS * count * (60 + course.frames(preset))
+        cost = FRAME_SECONDS * count * course.steps(preset)
         return Job(_course(course, count), f"simulate {rung.title}", _simulate, (), (course, count, preset), cost)
 
     def _line_jobs(self, rung: Rung, trials: list[Trial], preset: Preset) -> Iterator[Job]:

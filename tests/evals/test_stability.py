@@ -1,6 +1,7 @@
 """The stress ladder: its statistics and rules by hand, its courses, networks in other precisions."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from garmentbench.evals.stability.judging import judged
 from garmentbench.evals.stability.moving import animated
 from garmentbench.evals.stability.precision import computing, has_network
 from garmentbench.evals.stability.rungs import FIRST_LOOK, RUNGS, SHORT
+from garmentbench.evals.stability.simulating import _while_whole
 from garmentbench.evals.stability.statistics import growth_rate, kaplan_meier, wilson
 from garmentbench.evals.stability.study import STABILITY, WHOLE, line_rows
 from garmentbench.evaluation.results import Row
@@ -81,7 +83,7 @@ def test_a_pair_of_starts_has_one_motion_and_two_pushes():
     one, two, three = (animated(Course(), start, SMOKE).positions for start in range(3))
     assert (one == two).all() and not np.allclose(one, three, atol=1e-3)
     places, pins = np.random.default_rng(0).normal(size=(9, 3)), np.zeros(9, bool)
-    pushes = [Course().pushed(start, 60).offsets(places, pins) for start in range(2)]
+    pushes = [Course().pushed(start).offsets(places, pins) for start in range(2)]
     assert not np.allclose(*pushes, atol=1e-5)
 
 
@@ -102,6 +104,17 @@ def test_arms_are_pressed_and_motions_joined_without_a_leap():
     positions = pose_exact(base, both.rotations, both.root, slice(None, None, 50))
     speed = 30 * np.sqrt(np.square(np.diff(positions, axis=0)).sum(axis=2).mean(axis=1))
     assert len(both) == 100 and speed.max() < 5.0  # [m/s] a run's; a leap of 20 cm would be 6
+
+
+def test_what_has_blown_up_is_not_run_to_the_end():
+    def run(frames: int, blown_up_at: int) -> SimpleNamespace:
+        tried.append(frames)
+        return SimpleNamespace(strain=np.array([[0.0, np.nan if t >= blown_up_at else 0.1] for t in range(frames)]))
+
+    tried: list[int] = []
+    assert len(_while_whole(lambda frames: run(frames, 99), 50).strain) == 50 and tried == [4, 8, 16, 32, 50]
+    tried.clear()
+    assert len(_while_whole(lambda frames: run(frames, 6), 50).strain) == 8 and tried == [4, 8]
 
 
 def test_a_network_computes_in_another_precision_and_a_rule_has_none():
