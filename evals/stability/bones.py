@@ -17,7 +17,7 @@ from garmentbench.motion.walk import walk
 from garmentbench.scenes.bodies import BakedBody
 from garmentbench.scenes.scene import FPS, Motion, Scene
 
-PRESSED = -8.0  # [degrees] the upper arms off the hanging line: 5 cm of the fore-arms are in the torso
+PRESSED = -8.0  # [degrees] the upper arms off the hanging line: they and the elbows go into the trunk
 PRESSING = 10  # frames in which they get there
 MEDLEY = (*GAITS, *(name for name in SCORES if name != "still"))
 PIECE = (120, 240)  # frames of a motion before the next one, at least and at most

@@ -7,10 +7,11 @@ import matplotlib
 import numpy as np
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
+from matplotlib.ticker import StrMethodFormatter
 
 from garmentbench.evals.stability.standing import Standing
 from garmentbench.evals.stability.statistics import kaplan_meier
-from garmentbench.report.plots import COLOURS, OTHERS, STYLE, logarithmic, svg
+from garmentbench.report.plots import COLOURS, OTHERS, STYLE, svg
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -65,7 +66,8 @@ def survival_plot(found: list[Standing]) -> bytes:
         figure = Figure(figsize=(PANEL[0] * across, PANEL[1] * down + 0.6), layout="constrained")
         panels = figure.subplots(down, across, squeeze=False, sharey=True).ravel()
         for axes, group in zip(panels, groups, strict=False):
-            logarithmic(axes.xaxis)
+            axes.set_xscale("log")
+            axes.xaxis.set_major_formatter(StrMethodFormatter("{x:,g}"))
             for k, label in enumerate(labels):
                 starts = [start for s in found if (s.rung.group, s.label) == (group, label) for start in s.starts]
                 if starts:
