@@ -9,6 +9,7 @@ METHODS = {
     "skinning": "garmentbench.methods.baselines.skinning:Skinning",
     "hold": "garmentbench.methods.baselines.hold:Hold",
     "constant_velocity": "garmentbench.methods.baselines.constant_velocity:ConstantVelocity",
+    "nearest": "garmentbench.methods.baselines.nearest:Nearest",
     "linear_subspace": "garmentbench.methods.baselines.linear_subspace:LinearSubspace",
     "static_ridge": "garmentbench.methods.baselines.static_ridge:StaticRidge",
     "subspace_network": "garmentbench.methods.baselines.subspace_network:SubspaceNetwork",
