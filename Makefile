@@ -43,8 +43,10 @@ fabrics: $(BIN)/.installed
 difficulty: $(BIN)/.installed
 	$(RUN) evals difficulty --preset $(PRESET)
 
-# Every headline scene, each part built and left out, with trainings both ways (hours).
+# The whole of what `make evals` has a short form of, on every headline scene (hours): error against run time; each part
+# built and left out, with trainings both ways.
 evals-full: $(BIN)/.installed
+	$(RUN) evals error-time-whole --preset $(PRESET) --seeds $(SEEDS)
 	$(RUN) evals left-out-whole --preset $(PRESET) --seeds $(SEEDS)
 
 convergence: $(BIN)/.installed

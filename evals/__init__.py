@@ -10,6 +10,8 @@ from garmentbench.evals.convergence.study import STUDY as CONVERGENCE
 from garmentbench.evals.crosscheck.study import STUDY as CROSSCHECK
 from garmentbench.evals.data import CARDS
 from garmentbench.evals.difficulty.study import STUDY as DIFFICULTY
+from garmentbench.evals.error_time.study import STUDY as ERROR_TIME
+from garmentbench.evals.error_time.study import WHOLE as ERROR_TIME_WHOLE
 from garmentbench.evals.experiment import Companion, Experiment
 from garmentbench.evals.fabrics.study import STUDY as FABRICS
 from garmentbench.evals.left_out.study import LEAVING_OUT, LEAVING_OUT_WHOLE
@@ -25,6 +27,8 @@ EXPERIMENTS: dict[str, Experiment] = {
     e.name: e
     for e in (
         BASELINES,
+        ERROR_TIME,
+        ERROR_TIME_WHOLE,
         DIFFICULTY,
         STICK,
         STICK_SWING,

@@ -96,14 +96,14 @@ class Bench:
     def method(self, name: str, threads: int = 1) -> Timed:
         """Time a method, "name" or "name@variant", on the scene. Raises `UserError` where it fails."""
         of = (name, self.preset, self.path, self.folder)
-        _in_a_process(_train, *of)
-        return _quietest(lambda: _in_a_process(_time_method, *of, threads))
+        _in_a_process(train_little, *of)
+        return _quietest(lambda: _in_a_process(time_method, *of, threads))
 
     def pair(self, one: str, other: str) -> tuple[float, float, float]:
         """How much longer one method takes than another, frame by frame in turn: the ratio of their times and its 95 %
         interval. On a machine that does other work this is what counts."""
         for name in (one, other):
-            _in_a_process(_train, name, self.preset, self.path, self.folder)
+            _in_a_process(train_little, name, self.preset, self.path, self.folder)
         return ratio(*_in_a_process(_time_pair, one, other, self.preset, self.path, self.folder))
 
 
@@ -113,9 +113,9 @@ def make_bench(scene: Scene, preset: Preset, frames: int, folder: Path) -> Bench
     if frames <= HISTORY + WARM_UP:
         raise UsageError(f"bench: {frames} frames; wanted more than {HISTORY + WARM_UP}")
     scene, path = replace(scene, frames=frames), folder / "bench.h5"
-    _in_a_process(_simulate, scene, preset, path)
+    _in_a_process(simulate_into, scene, preset, path)
     budgets = (None,) if scene.worn_over is not None else (None, XPBD)
-    simulated = [_quietest(lambda n=n: _in_a_process(_time_simulator, scene, preset, n)) for n in budgets]
+    simulated = [_quietest(lambda n=n: _in_a_process(time_simulator, scene, preset, n)) for n in budgets]
     return Bench(preset, folder, path, tuple(simulated))
 
 
@@ -171,7 +171,8 @@ def _in_a_process(call: Callable[..., Any], *arguments: Any) -> Any:
     return result
 
 
-def _simulate(scene: Scene, preset: Preset, path: Path) -> None:
+def simulate_into(scene: Scene, preset: Preset, path: Path) -> None:
+    """Simulate a scene into a sequence file."""
     from garmentbench.simulation.simulate import simulate
 
     quiet_warp()
@@ -182,8 +183,8 @@ def _warp_device() -> str:
     return "cuda:0" if device_name() == "cuda" else "cpu"
 
 
-def _time_simulator(scene: Scene, preset: Preset, budget: int | None) -> Timed:
-    """Of a scene's garments, or of the one that there is by the budgeted simulator."""
+def time_simulator(scene: Scene, preset: Preset, budget: int | None) -> Timed:
+    """Time the simulator, here: of a scene's garments, or of the one that there is with a budget of XPBD's substeps."""
     from garmentbench.simulation.drive import drive
     from garmentbench.simulation.outfit import Outfit
 
@@ -215,8 +216,8 @@ def _chosen(name: str, preset: Preset) -> tuple[MethodChoice, Any]:
     return choice, shortened(choice.config)
 
 
-def _train(name: str, preset: Preset, path: Path, folder: Path) -> None:
-    """Train a method for a little, once."""
+def train_little(name: str, preset: Preset, path: Path, folder: Path) -> None:
+    """Train a method for a little on a sequence, once, into a folder. Raises `UserError`."""
     quiet_warp()
     choice, config = _chosen(name, preset)
     with RunStore(folder / "runs").open("bench", {"method": name, "config": config}) as run:
@@ -234,7 +235,8 @@ def _trained(name: str, preset: Preset, folder: Path) -> Method:
         return choice.method.load(run.folder / "method")
 
 
-def _time_method(name: str, preset: Preset, path: Path, folder: Path, threads: int) -> Timed:
+def time_method(name: str, preset: Preset, path: Path, folder: Path, threads: int) -> Timed:
+    """Time a method, here, that `train_little` has trained into a folder. Raises `UserError` where it fails."""
     from garmentbench.evaluation.broken import judged
     from garmentbench.evaluation.rollout import OK, roll_out
     from garmentbench.evaluation.score import predicted

@@ -111,6 +111,9 @@ def command(record: dict[str, Any]) -> str:
         return f"garmentbench simulate {identity['scene']} --preset {identity['preset']}"
     if record.get("kind") != "evaluate":
         return f"garmentbench evals {record.get('kind', '')} --preset {identity.get('preset', '')}" if record else ""
+    experiment, own, _ = str(identity.get("variant", "")).partition(":")
+    if own:  # a variant that only an experiment has
+        return f"garmentbench evals {experiment} --preset {identity['preset']}"
     scenes = identity.get("train_scenes", [])
     options = [("scene", "scene"), ("frames", "train_frames"), ("variant", "variant"), ("seed", "seed")]
     if MARK in title(scenes):
