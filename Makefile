@@ -11,10 +11,6 @@ RUN := $(BIN)/garmentbench
 evals: $(BIN)/.installed
 	$(RUN) evals --preset $(PRESET) --seeds $(SEEDS)
 
-# Every rung of the stress ladder from ten starts (hours), of which `make evals` climbs eight from three. Resumes.
-evals-full: $(BIN)/.installed
-	$(RUN) evals stability-whole --preset $(PRESET)
-
 test: $(BIN)/.installed-test
 	$(BIN)/python -m pytest
 
@@ -47,6 +43,7 @@ difficulty: $(BIN)/.installed
 # built and left out, with trainings both ways.
 evals-full: $(BIN)/.installed
 	$(RUN) evals error-time-whole --preset $(PRESET) --seeds $(SEEDS)
+	$(RUN) evals stability-whole --preset $(PRESET)
 	$(RUN) evals left-out-whole --preset $(PRESET) --seeds $(SEEDS)
 
 convergence: $(BIN)/.installed
