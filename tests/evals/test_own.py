@@ -130,7 +130,7 @@ def test_a_training_set_may_be_named(folder):
         (
             "a.toml",
             entry("train_frames = 100000"),
-            "train_frames = 100000: sheet-stick-a has 300 frames; wanted at most",
+            "train_frames = 100000: sheet-stick-a has 1500 frames; wanted at most",
         ),
         ("a.toml", "train = [", "a.toml: "),
         ("a.toml", TOML + "colour = 1", "a.toml: unknown key 'colour'"),
