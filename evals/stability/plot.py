@@ -22,7 +22,7 @@ OWN = {"simulator": "#444444", "XPBD": "#e69f00", "linear memory": "#0072b2", "t
 COLUMN, ROW = 0.95, 0.3  # of the heat map [inches]
 PANEL = (3.5, 2.5)  # of the survival curves [inches]
 ACROSS = 3  # panels
-ASIDE = 0.014  # each curve is drawn so much below the one before it, or the last would hide the others
+THIN, WIDER = 1.2, 0.9  # widths of the last curve and of each before it: where they coincide all can be seen
 
 
 def heat_map(found: list[Standing]) -> bytes:
@@ -71,8 +71,8 @@ def survival_plot(found: list[Standing]) -> bytes:
             for k, label in enumerate(labels):
                 starts = [start for s in found if (s.rung.group, s.label) == (group, label) for start in s.starts]
                 if starts:
-                    _draw(axes, starts, label, colours[label], k * ASIDE)
-            axes.set(title=group, xlabel="predicted frames", ylim=(-0.12, 1.03))
+                    _draw(axes, starts, label, colours[label], THIN + WIDER * (len(labels) - 1 - k))
+            axes.set(title=group, xlabel="predicted frames", ylim=(-0.04, 1.06))
         for axes in panels[len(groups) :]:
             axes.set_visible(False)
         for axes in panels[::across]:
@@ -84,13 +84,13 @@ def survival_plot(found: list[Standing]) -> bytes:
         return svg(figure)
 
 
-def _draw(axes: "Axes", starts: list[dict[str, Any]], label: str, colour: str, below: float) -> None:
+def _draw(axes: "Axes", starts: list[dict[str, Any]], label: str, colour: str, width: float) -> None:
     """One curve: a step down where a start went bad, a cross where some came to their end."""
     frames = np.array([start["survived"] for start in starts])
     ended = np.array([start["first_bad_frame"] is not None for start in starts])
     steps, shares = kaplan_meier(frames, ended)
-    last, shares = max(int(frames.max()), 1), shares - below
-    axes.step([*np.maximum(steps, 1), last], [*shares, shares[-1]], where="post", color=colour, label=label, lw=1.6)
+    last = max(int(frames.max()), 1)
+    axes.step([*np.maximum(steps, 1), last], [*shares, shares[-1]], where="post", color=colour, label=label, lw=width)
     out = np.unique(frames[~ended])
     if len(out):
         at = shares[np.searchsorted(steps, out, side="right") - 1]

@@ -36,6 +36,7 @@ STYLE: dict[Any, Any] = {
     "legend.frameon": False,
 }
 FLOOR = "#f1e9cf"
+DECADES = 3_000.0  # between an axis's ends, from which on its ticks are powers of ten
 SMOOTHED = 30  # frames; a walk's cycle is about as long
 
 
@@ -127,11 +128,16 @@ def error_against_time(lines: list[Line]) -> bytes:
 
 
 def logarithmic(axis) -> None:
-    """A logarithmic axis whose ticks say 0.5, 1, 2, 5."""
+    """A logarithmic axis whose ticks say 0.5, 1, 2, 5; of many decades powers of ten alone, since more would touch."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+    class Ticks(LogLocator):
+        def tick_values(self, vmin: float, vmax: float) -> Any:
+            self.set_params(subs=(1.0, 2.0, 5.0) if vmax < DECADES * vmin else (1.0,))
+            return super().tick_values(vmin, vmax)
+
     axis.axes.set(**{f"{axis.axis_name}scale": "log"})
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=12))
+    axis.set_major_locator(Ticks(numticks=12))
     axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
     axis.set_minor_formatter(NullFormatter())
 
