@@ -83,7 +83,7 @@ def _name(figure: Figure, axes: "Axes", points: Sequence[Point]) -> None:
     taken += [] if legend is None else [legend.get_window_extent(renderer)]
     room = axes.get_window_extent(renderer)
     for k in sorted(range(len(points)), key=lambda k: dominated_by(points[k], points) is not None):
-        p, best = points[k], None
+        p, tried = points[k], []
         grey = not p.competes or dominated_by(p, points) is not None
         for distance, angle in AWAY:
             x, y = distance * math.cos(math.radians(angle)), distance * math.sin(math.radians(angle))
@@ -99,10 +99,9 @@ def _name(figure: Figure, axes: "Axes", points: Sequence[Point]) -> None:
             outside = box.x0 < room.x0 or box.x1 > room.x1 or box.y0 < room.y0 or box.y1 > room.y1
             text.remove()
             cost = hidden + 10 * outside
-            if best is None or cost < best[0]:
-                best = (cost, text, box)
+            tried.append((cost, text, box))
             if cost == 0:
                 break
-        assert best is not None
-        axes.add_artist(best[1])
-        taken.append(best[2])
+        _, text, box = min(tried, key=lambda place: place[0])
+        axes.add_artist(text)
+        taken.append(box)

@@ -20,6 +20,7 @@ from garmentbench.geometry.nearest import nearest_vertices
 from garmentbench.methods.motion_guided.body_surface import BodySurface
 from garmentbench.methods.training import WEIGHTS
 from garmentbench.needs import Part
+from garmentbench.pipeline.bench import shortened
 from garmentbench.scenes.presets import Preset
 from garmentbench.sequence import Sequence
 from garmentbench.storage.runs import RunStore
@@ -76,35 +77,38 @@ def cost_rows(path: Path, parts: tuple[Part, ...], preset: Preset) -> list[Row]:
 
 def cost(sequence: Sequence, config: Otherwise) -> tuple[Cost, RollOut]:
     """What a model costs, and what it made of a sequence."""
-    seconds, method, megabytes, sdf = [], None, 0.0, 0
-    for share in SHARES:
-        with tempfile.TemporaryDirectory() as folder:
-            with RunStore(Path(folder)).open("train", {"share": share}) as run:
-                begun = time.process_time()
-                method = OtherwiseMotionGuided.fit((sequence,), shortened(config, share), run)
-                seconds.append(time.process_time() - begun)
-                (run.folder / "method").mkdir()
-                method.save(run.folder / "method")
-            kept = [*Path(folder).glob(f"sdf-*/{WEIGHTS}")]
-            sdf = sum(_weights(file) for file in kept)
-            kept += [file for file in Path(folder).glob("train-*/method/*") if file.is_file()]
-            megabytes = sum(file.stat().st_size for file in kept) / 1e6
-    assert method is not None
+    few, more = (_trained(sequence, config, share) for share in SHARES)
+    method = more.method
     roll = roll_out(method, sequence)
-    parameters = sdf + sum(p.numel() for m in (method.generative, method.dynamics) for p in m.parameters())
+    parameters = more.sdf + sum(p.numel() for m in (method.generative, method.dynamics) for p in m.parameters())
     times = roll.ms.sum(axis=1) if roll.processor_ms is None else roll.processor_ms
     ms = float(np.nanmedian(times[roll.start :]))
-    return Cost(ms, megabytes, parameters, (seconds[1] - seconds[0]) / (SHARES[1] - SHARES[0])), roll
+    return Cost(ms, more.MB, parameters, (more.s - few.s) / (SHARES[1] - SHARES[0])), roll
 
 
-def shortened(config: Otherwise, share: float) -> Otherwise:
-    """The configuration that trains each stage for a share of its steps."""
-    stages = {
-        name: replace(stage, training=replace(stage.training, steps=max(1, round(share * stage.training.steps))))
-        for name in ("sdf", "stage1", "stage2")
-        for stage in [getattr(config, name)]
-    }
-    return replace(config, **stages)
+@dataclass(frozen=True)
+class _Trained:
+    """A model, the processor seconds of its training, what it and SDF_0 take on the disk [MB], SDF_0's parameters."""
+
+    method: OtherwiseMotionGuided
+    s: float
+    MB: float
+    sdf: int
+
+
+def _trained(sequence: Sequence, config: Otherwise, share: float) -> _Trained:
+    """A model trained for a share of its steps."""
+    with tempfile.TemporaryDirectory() as folder:
+        with RunStore(Path(folder)).open("train", {"share": share}) as run:
+            begun = time.process_time()
+            method = OtherwiseMotionGuided.fit((sequence,), shortened(config, share), run)
+            seconds = time.process_time() - begun
+            (run.folder / "method").mkdir()
+            method.save(run.folder / "method")
+        of_sdf = [*Path(folder).glob(f"sdf-*/{WEIGHTS}")]
+        kept = [*of_sdf, *(file for file in Path(folder).glob("train-*/method/*") if file.is_file())]
+        megabytes = sum(file.stat().st_size for file in kept) / 1e6
+        return _Trained(method, seconds, megabytes, sum(map(_weights, of_sdf)))
 
 
 def _weights(file: Path) -> int:

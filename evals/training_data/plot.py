@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from garmentbench.evals.training_data.table import curves
 from garmentbench.evaluation.another_run import ANOTHER_RUN
-from garmentbench.report.plots import MARKERS, STYLE, logarithmic, style, svg
+from garmentbench.report.plots import STYLE, logarithmic, style, svg
 
 if TYPE_CHECKING:
     from garmentbench.report.lines import Line
@@ -21,14 +21,15 @@ def error_against_frames(lines: "list[Line]") -> bytes:
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(4.6 * len(scenes) + 1.8, 4.0), layout="constrained")
         for axes, scene in zip(figure.subplots(1, len(scenes), squeeze=False)[0], scenes, strict=True):
-            for k, (label, points) in enumerate(curves(lines, scene).items()):
+            for label, points in curves(lines, scene).items():
                 frames, error, half = zip(*points, strict=True)
+                colour, marker = looks[label]
                 axes.errorbar(
                     frames,
                     error,
                     yerr=half,
-                    color=looks[label][0],
-                    marker=MARKERS[k % len(MARKERS)],
+                    color=colour,
+                    marker=marker,
                     capsize=3,
                     label=label,
                 )

@@ -7,7 +7,6 @@ Nothing in it can run code. It holds what a training's folder "method" holds, wh
 import hashlib
 import io
 import json
-import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -46,7 +45,7 @@ def write_checkpoint(trained: Run, folder: Path, half: bool = False) -> None:
     """
     from safetensors.numpy import save
 
-    results = trained.results
+    results, record = trained.results, trained.record or {}
     arrays: dict[str, np.ndarray] = {}
     files: dict[str, str | dict[str, str]] = {}
     for path in sorted(p for p in (trained.folder / "method").rglob("*") if p.is_file()):
@@ -58,8 +57,7 @@ def write_checkpoint(trained: Run, folder: Path, half: bool = False) -> None:
         files[name] = {key: array.dtype.str for key, array in found.items()}
         arrays |= {f"{name}/{key}": _halved(array) if half else array for key, array in found.items()}
     config = {"schema": SCHEMA, "identity": trained.identity, "results": results, "files": files}
-    config["seconds"] = trained.record["times"]["seconds"] if trained.record else math.nan
-    config |= {key: trained.record[key] for key in ("code_version", "machine") if trained.record}
+    config |= {key: record[key] for key in ("times", "code_version", "machine")}
     numbers = save({key: np.ascontiguousarray(array).reshape(array.shape) for key, array in arrays.items()})
     with written_whole(folder / NUMBERS) as partial:
         partial.write_bytes(numbers)
@@ -102,7 +100,7 @@ def write_card(folder: Path, rows: list[tuple[str, dict[str, Any]]]) -> None:
     """
     config = _config(folder)
     about, results = config["identity"], config["results"]
-    garment, machine = results.get("garment", {}), config.get("machine", {})
+    garment, machine = results.get("garment", {}), config["machine"]
     size = sum((folder / name).stat().st_size for name in (NUMBERS, CONFIG)) / 1e6
     lines = [
         f"# {about['method']} ({about['variant']}), {garment.get('name', 'any garment')}",
@@ -110,9 +108,9 @@ def write_card(folder: Path, rows: list[tuple[str, dict[str, Any]]]) -> None:
         f"- **Trained on** {_several(about['train_scenes'])}: {_several(about['train_frames'])} frames, seed "
         f"{about['seed']}, preset {about.get('preset', '?')}, simulated by garmentbench itself.",
         f"- **Garment mesh**: {garment.get('vertices', '?')} vertices; it predicts no other.",
-        f"- **Cost**: {config['seconds'] / 60:.1f} minutes on {machine.get('cpu', '?')}, "
+        f"- **Cost**: {config['times']['seconds'] / 60:.1f} minutes on {machine.get('cpu', '?')}, "
         f"{machine.get('threads', '?')} thread, stages shared with other trainings not counted.",
-        f"- **Made by** garmentbench {config.get('code_version', '?')}; {size:.1f} MB.",
+        f"- **Made by** garmentbench {config['code_version']}; {size:.1f} MB.",
         "- **Licence**: that of garmentbench, Apache 2.0. No one's scans or recordings went into it.",
         "",
         "| scene | roll-out error | single step | time a frame | status |",
@@ -148,7 +146,7 @@ def _config(folder: Path) -> dict[str, Any]:
         raise UserError(f"{folder}: has no {CONFIG}; wanted a checkpoint's folder") from e
     except (OSError, ValueError) as e:
         raise UserError(f"{path}: can't be read ({e}); {_MAKE}") from e
-    wanted = {"schema", "identity", "results", "files", "sha256"}
+    wanted = {"schema", "identity", "results", "files", "times", "code_version", "machine", "sha256"}
     if not isinstance(config, dict) or not wanted <= config.keys() or "class" not in config["identity"]:
         raise UserError(f"{path}: is no checkpoint's; wanted {', '.join(sorted(wanted))}; {_MAKE}")
     if config["schema"] != SCHEMA:
